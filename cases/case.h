@@ -1,0 +1,148 @@
+// A case: what to simulate, as it stands in a case file. Plain data, checked when it is loaded; no physics.
+//
+// SI units; angles in degrees where a person writes them (skew, rpy) and converted by whoever builds the scene. A
+// position of a container is the centre of its bottom face, that of a plain body the centre of its box.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+namespace quayside::cases {
+
+// A case file was refused. The message reads "file:line: key.path: what is wrong, and what was expected".
+class CaseError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+enum class ContainerType { iso20, iso40, iso40_high_cube, iso45 };  // "20ft", "40ft", "40ft_hc", "45ft"
+
+struct DriveSpec {  // what is not given comes from the machine
+  std::optional<double> max_speed;         // [m/s]
+  std::optional<double> max_acceleration;  // [m/s²]
+};
+
+struct CraneSpec {
+  std::string type = "none";               // "quayside" or "none"
+  double trolley_position = 0;             // along the boom, y of the world [m]
+  double trolley_height = 0;               // of the upper sheaves above the ground [m]
+  double rope_length = 0;                  // rest length of the hoist ropes at the start [m]
+  DriveSpec trolley, hoist;
+  std::optional<Eigen::Vector2d> trolley_sheaves;   // rectangle along x and y [m]
+  std::optional<Eigen::Vector2d> spreader_sheaves;  // [m]
+  std::optional<double> rope_stiffness;             // EA of one group [N]
+  std::optional<double> rope_damping_time;          // [s]
+};
+
+struct SpreaderSpec {
+  ContainerType size = ContainerType::iso40;
+  double skew = 0;                          // about the vertical [degrees]
+  std::optional<double> mass;               // spreader and headblock together [kg]
+  std::optional<double> lock_stiffness;     // per twistlock [N/m]
+};
+
+struct ContainerSpec {
+  std::string name;
+  ContainerType type = ContainerType::iso40;
+  double mass = 0;                                   // gross [kg]
+  bool on_spreader = false;                          // "on: spreader"
+  std::optional<std::string> on_top_of;              // name of another container, offset by `offset`
+  Eigen::Vector2d offset = Eigen::Vector2d::Zero();  // of the position on the lower one [m]
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();
+  double yaw = 0;                                    // [degrees]
+  Eigen::Vector3d centre_of_gravity = Eigen::Vector3d::Zero();  // from the box's centre [m]
+  bool fixed = false;                                // part of the ground
+};
+
+struct BodySpec {
+  std::string name;
+  Eigen::Vector3d size = Eigen::Vector3d::Ones();    // full edges [m]
+  double mass = 0;                                   // [kg]; uniform density
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();
+  Eigen::Quaterniond orientation = Eigen::Quaterniond::Identity();  // R_WB
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
+  Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();       // in the world frame [rad/s]
+  bool fixed = false;
+};
+
+struct ContactSpec {  // see contact_nn::ContactSettings
+  std::string model = "committee";
+  std::string law = "potential";
+  double stiffness = 6e8;
+  double restitution = 0.3;
+  double reference_speed = 0.5;
+  double friction = 0.4;
+  double transition_speed = 1e-3;
+  std::string network;
+};
+
+struct SolverSpec {
+  double relative_tolerance = 1e-6;
+  double max_step = 0;     // [s]; 0: no bound
+  double mujoco_step = 0;  // [s]; 0: chosen by the engine
+};
+
+// A line of the script. It fires once, `after` seconds from the moment its condition first holds, and gives commands.
+struct ScriptEntry {
+  enum class Condition { at, landed, signal_above, signal_below };
+  Condition condition = Condition::at;
+  double time = 0;         // at [s]
+  std::string signal;      // signal_above, signal_below
+  double threshold = 0;
+  double after = 0;        // [s]
+  std::vector<std::pair<std::string, double>> speeds;   // drive and speed [m/s]
+  std::vector<std::pair<std::string, bool>> commands;   // "twistlocks": closed?
+};
+
+// What a run must show. Vector signals ("load.position") are compared as vectors.
+struct Expectation {
+  enum class Kind { value, comparison, event };
+  enum class Moment { end, time, minimum, maximum };
+  Kind kind = Kind::value;
+  std::string signal;
+  // value: |signal at moment − value| ≤ tolerance, or signal at moment below / above a bound
+  Moment moment = Moment::end;
+  double time = 0;
+  std::optional<double> value, tolerance, below, above;
+  std::string engine = "simbody";
+  // comparison: distance of `signal` between simbody and another engine over the run
+  std::string compare;
+  std::optional<double> rms, max;
+  // event: the first event of this kind (and subject) lies within a time window
+  std::string event, subject;
+  double earliest = 0, latest = 0;
+  std::string why;  // the reason, printed with the result
+  int line = 0;
+};
+
+struct Case {
+  std::filesystem::path file;
+  std::string name;   // stem of the file
+  std::string title;
+  double duration = 0;  // [s]
+  CraneSpec crane;
+  std::optional<SpreaderSpec> spreader;
+  std::vector<ContainerSpec> containers;
+  std::vector<BodySpec> bodies;
+  bool ground = true;   // a flat ground at z = 0
+  Eigen::Vector3d gravity{0, 0, -9.81};
+  ContactSpec contact;
+  SolverSpec solver;
+  bool allow_overlap = false;
+  double output_interval = 0.01;  // [s]
+  std::vector<ScriptEntry> script;
+  std::vector<Expectation> expectations;
+};
+
+// Overrides are "key.path=value" as on the command line, applied before checking. Throws CaseError.
+Case load_case(const std::filesystem::path& file, const std::vector<std::string>& overrides = {});
+
+// The JSON Schema of the format (draft 2020-12), as text.
+const char* case_schema();
+
+}  // namespace quayside::cases

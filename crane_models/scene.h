@@ -1,0 +1,125 @@
+// The Scene: everything an engine has to build, as plain data, and nothing that belongs to one engine.
+//
+// World frame W: x along the quay, y along the boom towards the water, z up. B is the frame of a body, with its
+// origin wherever its maker finds handy; its centre of mass is at p_BBcm. Indices refer to the vectors of Scene; parents
+// stand before their children. SI units, radians.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "spreader/lock.h"
+#include "spreader/rope.h"
+
+namespace quayside::crane_models {
+
+using Pose = Eigen::Isometry3d;
+
+constexpr int kWorld = -1;
+
+// A collision box fixed on a body; G is its centre, axes along its edges.
+struct CollisionBox {
+  Eigen::Vector3d half;  // half extents [m]
+  Pose X_BG = Pose::Identity();
+};
+
+enum class JointType { fixed, slider, hinge, pivot, free };
+
+// How a body moves against its parent: frame F on the parent P and M on the body B coincide at coordinate zero. A slider
+// moves along F's x axis [m], a hinge turns about F's z axis [rad], a pivot turns in all directions, a free joint does
+// not hold at all.
+struct Joint {
+  JointType type = JointType::free;
+  int parent = kWorld;
+  Pose X_PF = Pose::Identity();
+  Pose X_BM = Pose::Identity();
+  int drive = -1;        // slider, hinge: this drive prescribes the coordinate (value, rate, acceleration)
+  double damping = 0;    // hinge, pivot: [N m s/rad], slider: [N s/m]
+};
+
+struct Body {
+  std::string name;
+  double mass = 0;                                          // [kg]; not used for bodies fixed to the world
+  Eigen::Vector3d p_BBcm = Eigen::Vector3d::Zero();         // [m]
+  Eigen::Matrix3d I_BBcm_B = Eigen::Matrix3d::Identity();   // about the centre of mass, in B [kg m²]
+  std::vector<CollisionBox> boxes;
+  Joint joint;
+  // Start: pose and velocity of B's origin in the world. Free bodies start there; for other joints the coordinate
+  // follows from X_WB (or from the drive).
+  Pose X_WB = Pose::Identity();
+  Eigen::Vector3d v_WB = Eigen::Vector3d::Zero();  // [m/s]
+  Eigen::Vector3d w_WB = Eigen::Vector3d::Zero();  // [rad/s]
+
+  bool is_static() const { return joint.type == JointType::fixed && joint.parent == kWorld; }
+};
+
+// A coordinate that a motor moves: a driven joint or the rest length of ropes. As an input it has value, rate and
+// acceleration, so that within a step it is known as value + rate τ + ½ acceleration τ².
+struct Drive {
+  std::string name;      // "trolley", "hoist"
+  std::string unit;      // of the value: "m" or "rad"
+  std::string meaning;
+  double start = 0;      // value at the start
+  double sign = 1;       // a positive speed command changes the value by `sign` × speed (hoisting shortens the ropes: −1)
+  double max_speed = 0;         // [unit/s]
+  double max_acceleration = 0;  // [unit/s²]
+};
+
+struct DriveMotion {
+  double value = 0, rate = 0, acceleration = 0;
+  DriveMotion after(double dt) const {
+    return {value + dt * (rate + 0.5 * dt * acceleration), rate + dt * acceleration, acceleration};
+  }
+};
+
+// A two-state command, such as closing (true) and opening (false) the twistlocks.
+struct Command {
+  std::string name;
+  std::string meaning;
+  bool start = false;
+};
+
+// Two collision boxes that may meet.
+struct ContactPair {
+  int body_a, box_a;
+  int body_b, box_b;
+};
+
+// True while the upward contact force on a group of bodies from all others exceeds a threshold: the "landed" switch.
+struct LandedSwitch {
+  std::string name;
+  std::vector<int> bodies;
+  double threshold = 0;  // [N]
+};
+
+// What is reported under a name: a frame R fixed on a body, for example the centre of a container's bottom face. It
+// survives the merging of bodies by the reduction.
+struct ReportedFrame {
+  std::string name;
+  int body = -1;
+  Pose X_BR = Pose::Identity();
+};
+
+struct Scene {
+  std::string title;
+  Eigen::Vector3d gravity{0, 0, -9.81};  // [m/s²]
+  std::vector<Body> bodies;
+  std::vector<spreader::Rope> ropes;
+  std::vector<spreader::Lock> locks;
+  std::vector<Drive> drives;
+  std::vector<Command> commands;
+  std::vector<ContactPair> pairs;
+  std::vector<LandedSwitch> landed_switches;
+  std::vector<ReportedFrame> frames;
+};
+
+// Velocity degrees of freedom that an engine integrates (driven joints do not count).
+int degrees_of_freedom(const Scene& scene);
+
+// Throws std::invalid_argument, naming body, rope or lock, for indices out of range, masses and sizes that are not
+// positive, inertias that no mass distribution has, joints whose parent does not stand before them.
+void check(const Scene& scene);
+
+}  // namespace quayside::crane_models

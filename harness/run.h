@@ -1,0 +1,49 @@
+// Running a case: its scene in each engine, every engine with drives of its own, stepped by the master in lock-step.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cases/case.h"
+#include "crane_models/reduction.h"
+#include "harness/engine_unit.h"
+#include "harness/recording.h"
+
+namespace quayside::harness {
+
+struct RunOptions {
+  std::vector<std::string> engines{"simbody", "mujoco_same_law", "mujoco"};
+  bool full_scene = false;
+  bool real_time = false;
+  // Called at communication points with simulated time and engine; returning false ends the run in good order.
+  std::function<bool(double time, const std::string& engine)> progress;
+};
+
+// One engine's run. Where `failure` is set, everything up to then is here.
+struct EngineRun {
+  std::string engine;
+  Recording trajectory;
+  std::vector<Event> events;         // in the order of time
+  std::vector<Event> open_contacts;  // contacts still made at the end
+  EnergyLedger energy;
+  EngineStatistics statistics;
+  double wall_s = 0;                 // stepping only: no building, no writing
+  double simulated_s = 0;
+  std::vector<double> step_times_s;  // wall time of each macro step
+  std::optional<std::string> failure;
+};
+
+struct RunResult {
+  cases::Case description;
+  crane_models::Scene scene;         // as simulated
+  crane_models::ReductionReport reduction;
+  std::vector<EngineRun> engines;
+  bool interrupted = false;
+};
+
+// Throws what building throws; failures while stepping are reported per engine.
+RunResult run_case(const cases::Case& description, const RunOptions& options);
+
+}  // namespace quayside::harness

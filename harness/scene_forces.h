@@ -1,0 +1,78 @@
+// The forces of a Scene, engine-neutral: ropes, locks, contacts. Called at every evaluation of the right-hand side by
+// the Simbody unit and through MuJoCo's passive callback by the same-law unit.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "contact_nn/contact.h"
+#include "crane_models/scene.h"
+
+namespace quayside::harness {
+
+// Pose and velocity of a body's frame B in the world.
+struct BodyMotion {
+  crane_models::Pose X_WB = crane_models::Pose::Identity();
+  Eigen::Vector3d v_WB = Eigen::Vector3d::Zero();  // of B's origin [m/s]
+  Eigen::Vector3d w_WB = Eigen::Vector3d::Zero();  // [rad/s]
+};
+
+// Force on a body and its torque about B's origin, in the world frame.
+struct BodyForce {
+  Eigen::Vector3d f_W = Eigen::Vector3d::Zero();
+  Eigen::Vector3d t_W = Eigen::Vector3d::Zero();
+};
+
+// Per pair of boxes (as in Scene::pairs): force on body b and where.
+struct PairLoad {
+  contact_nn::ContactForce contact;            // in the frame of box a
+  Eigen::Vector3d f_W = Eigen::Vector3d::Zero();   // on body b
+  Eigen::Vector3d p_W = Eigen::Vector3d::Zero();   // centre of pressure
+};
+
+// Everything that a caller may want to know beside the forces; sized once by `SceneForces::make_loads`.
+struct SceneLoads {
+  std::vector<BodyForce> bodies;                 // total of ropes, locks and contacts per body (no gravity)
+  std::vector<spreader::RopeTension> ropes;
+  std::vector<PairLoad> pairs;
+  double potential_energy = 0;   // ropes, locks, contacts [J]
+  double rope_work_in = 0;       // power put in through rest lengths [W]
+  double dissipated_power = 0;   // ropes, locks, contacts [W]
+};
+
+class SceneForces {
+ public:
+  // The scene must outlive this object.
+  SceneForces(const crane_models::Scene& scene, std::shared_ptr<const contact_nn::ContactModule> contact);
+
+  SceneLoads make_loads() const;
+
+  // `bodies`, `drives`, `locks_closed` have the scene's sizes. Overwrites `loads`. Allocates nothing.
+  void evaluate(const std::vector<BodyMotion>& bodies, const std::vector<crane_models::DriveMotion>& drives,
+                const std::vector<char>& locks_closed, SceneLoads& loads, contact_nn::ContactCounters& counters) const;
+
+  // Elastic energy that the lock holds now: lost when it opens [J].
+  double lock_energy(int lock, const std::vector<BodyMotion>& bodies) const;
+
+  // Signed indicators whose sign changes are events: per rope the stretch (positive: taut), per pair minus the
+  // separation of the boxes (positive: touching; a lower bound of the distance where they are far apart), per landed switch the upward
+  // force over its threshold minus 1.
+  struct Indicators {
+    std::vector<double> ropes, pairs, switches;
+  };
+  void indicators(const std::vector<BodyMotion>& bodies, const std::vector<crane_models::DriveMotion>& drives,
+                  const SceneLoads& loads, Indicators& out) const;
+
+  // The longest step [s] after which no pair that is apart now can be deeper than `depth` [m], given the present
+  // velocities and accelerations up to `acceleration` [m/s²] on either side.
+  double time_to_contact(const std::vector<BodyMotion>& bodies, double depth, double acceleration) const;
+
+  const crane_models::Scene& scene() const { return scene_; }
+
+ private:
+  const crane_models::Scene& scene_;
+  std::shared_ptr<const contact_nn::ContactModule> contact_;
+  std::vector<double> radius_;  // bounding sphere of each pair's boxes, a then b [m]
+};
+
+}  // namespace quayside::harness

@@ -1,0 +1,41 @@
+// A tension-only rope between two bodies, its rest length set by a drive.
+#pragma once
+
+#include <string>
+
+#include <Eigen/Core>
+
+namespace quayside::spreader {
+
+// A point fixed on a body: index of the body in the scene (−1: the world) and the point in the body's frame [m].
+struct Attachment {
+  int body = -1;
+  Eigen::Vector3d p_B = Eigen::Vector3d::Zero();
+};
+
+// One rope group: `falls` parallel parts lumped into one line. Its stiffness at rest length L0 is EA / L0, so it
+// softens as it is paid out.
+struct Rope {
+  std::string name;
+  Attachment upper, lower;
+  double axial_stiffness = 0;  // EA of all falls together [N]
+  double damping_time = 0;     // damping over stiffness, c = damping_time · EA / L0 [s]
+  int drive = -1;              // drive whose value is the rest length; −1: constant
+  double rest_length = 0;      // without a drive; with one, added to the drive's value (trim, list, skew) [m]
+};
+
+// Tension [N] and its energy balance for one rope: stretch x = l − L0 and rates.
+//   T = max(0, k x + c s(x) (l̇ − L̇0)) for x > 0, else 0, with k = EA/L0, c = damping_time · k and s a ramp from 0 to 1 over
+//   the first `kDampingRamp` of stretch, so that the tension is continuous when a slack rope catches.
+struct RopeTension {
+  double tension = 0;           // [N]
+  double stretch = 0;           // l − L0; negative when slack [m]
+  double energy = 0;            // ½ k x² [J]
+  double work_in = 0;           // power that the drive puts in, −(T + ½ EA x²/L0²) L̇0 [W]
+  double dissipated_power = 0;  // (T − k x)(l̇ − L̇0), never negative [W]
+};
+
+// `length`, `rest_length` positive [m], rates in [m/s].
+RopeTension rope_tension(const Rope& rope, double length, double length_rate, double rest_length, double rest_length_rate);
+
+}  // namespace quayside::spreader
