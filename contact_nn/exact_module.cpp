@@ -1,0 +1,39 @@
+#include "contact_nn/exact_module.h"
+
+#include "contact_nn/law_parameters.h"
+#include "contact_nn/manifold.h"
+#include "contact_nn/points_law.h"
+#include "contact_nn/potential_law.h"
+
+namespace quayside::contact_nn {
+namespace {
+
+class ExactModule final : public ContactModule {
+ public:
+  explicit ExactModule(const ContactSettings& settings) : law_(settings.law), parameters_(law_parameters(settings)) {}
+
+  Manifold query(const Box& a, const Box& b, const Pose& X_AB, ContactCounters& counters,
+                 double margin) const override {
+    ++counters.queries;
+    return contact_manifold(a, b, X_AB, margin);
+  }
+
+  ContactForce force(const Box& a, const Box& b, const Pose& X_AB, const RelativeVelocity& V_AB,
+                     ContactCounters& counters) const override {
+    ++counters.queries;
+    if (law_ == Law::potential) return potential_force(a, b, X_AB, V_AB, parameters_);
+    return points_force(contact_manifold(a, b, X_AB, 0), X_AB, V_AB, parameters_);
+  }
+
+ private:
+  Law law_;
+  LawParameters parameters_;
+};
+
+}  // namespace
+
+std::unique_ptr<ContactModule> make_exact_module(const ContactSettings& settings) {
+  return std::make_unique<ExactModule>(settings);
+}
+
+}  // namespace quayside::contact_nn

@@ -1,0 +1,36 @@
+// The separating-axis test of two boxes: along which of 15 directions are they farthest apart?
+//
+// Axes are numbered: 0-2 the face normals of A, 3-5 those of B, 6 + 3 i + j the common normal of A's edge
+// direction i and B's edge direction j. Every normal points from A to B.
+#pragma once
+
+#include <array>
+
+#include "contact_nn/contact.h"
+
+namespace quayside::contact_nn {
+
+inline constexpr int kAxisCount = 15;
+
+struct AxisSeparation {
+  double gap;           // [m], negative when the boxes overlap on this axis
+  int axis;             // 0 … 14
+  Eigen::Vector3d n_A;  // unit, from A to B
+};
+
+// The axis of largest separation. Ties go to the lower axis number, so faces before edges.
+AxisSeparation largest_separation(const Box& a, const Box& b, const Pose& X_AB);
+
+// The best of the named axes only. `certified`: every unnamed axis was shown not to beat it, so the answer is that
+// of `largest_separation`. The proof compares squares, and so needs neither roots nor divisions.
+struct NamedSeparation {
+  AxisSeparation best;
+  bool certified;
+};
+NamedSeparation largest_separation(const Box& a, const Box& b, const Pose& X_AB, const std::array<int, 3>& named);
+
+// True when some axis separates the boxes by more than rounding. Never true for boxes that overlap; may be false
+// for boxes that are apart by no more than rounding. Cheaper than the separation itself.
+bool surely_apart(const Box& a, const Box& b, const Pose& X_AB);
+
+}  // namespace quayside::contact_nn
