@@ -23,6 +23,9 @@ constexpr int kWorld = -1;
 struct CollisionBox {
   Eigen::Vector3d half;  // half extents [m]
   Pose X_BG = Pose::Identity();
+  // Under which contacts are reported; empty: the body's name. Keeps the load's name when the load becomes one body with
+  // its spreader.
+  std::string name = {};
 };
 
 enum class JointType { fixed, slider, hinge, pivot, free };
@@ -114,6 +117,18 @@ struct Scene {
   std::vector<LandedSwitch> landed_switches;
   std::vector<ReportedFrame> frames;
 };
+
+// Contacts are reported per pair of named things, whatever number of boxes they consist of.
+struct ContactGroup {
+  std::string a, b;        // names as of `contact_name`
+  std::vector<int> pairs;  // indices in Scene::pairs
+};
+
+// The name under which the contacts of a box are reported.
+const std::string& contact_name(const Scene& scene, int body, int box);
+
+// All pairs, grouped by the two names, in the order of their first appearance.
+std::vector<ContactGroup> contact_groups(const Scene& scene);
 
 // Velocity degrees of freedom that an engine integrates (driven joints do not count).
 int degrees_of_freedom(const Scene& scene);

@@ -64,15 +64,47 @@ class SceneForces {
                   const SceneLoads& loads, Indicators& out) const;
 
   // The longest step [s] after which no pair that is apart now can be deeper than `depth` [m], given the present
-  // velocities and accelerations up to `acceleration` [m/s²] on either side.
-  double time_to_contact(const std::vector<BodyMotion>& bodies, double depth, double acceleration) const;
+  // velocities, and accelerations of all points of moving bodies up to `acceleration` [m/s²]; infinite where no pair is
+  // apart. Bodies that a closed lock holds together are left out: their distance is the lock's, which an integrator
+  // resolves. `locks_closed`: as for `evaluate`; empty: no lock is closed.
+  double time_to_contact(const std::vector<BodyMotion>& bodies, double depth, double acceleration,
+                         const std::vector<char>& locks_closed = {}) const;
 
   const crane_models::Scene& scene() const { return scene_; }
 
  private:
+  // What does not change about a pair of boxes.
+  struct Pair {
+    int body_a, body_b;
+    contact_nn::Box a, b;
+    crane_models::Pose X_BGa, X_BGb;  // boxes in their bodies
+    double radius_a, radius_b;        // of the spheres about the boxes [m]
+    int moving_sides;                 // how many of the bodies are not static
+    std::vector<int> locks;           // that may hold the two bodies together
+  };
+  // A pair with one body in a switch's group, and the sign of its force on the group.
+  struct SwitchTerm {
+    int pair;
+    double sign;
+  };
+
+  // A lower bound of the distance [m], where it is positive at little cost.
+  static double distance_bound(const Pair& pair, const std::vector<BodyMotion>& bodies);
+  crane_models::Pose relative_pose(const Pair& pair, const std::vector<BodyMotion>& bodies) const;
+  spreader::RopeTension rope_state(const spreader::Rope& rope, const std::vector<BodyMotion>& bodies,
+                                   const std::vector<crane_models::DriveMotion>& drives,
+                                   Eigen::Vector3d& direction_W) const;
+
+  void add_rope(std::size_t index, const std::vector<BodyMotion>& bodies,
+                const std::vector<crane_models::DriveMotion>& drives, SceneLoads& loads) const;
+  void add_lock(const spreader::Lock& lock, const std::vector<BodyMotion>& bodies, SceneLoads& loads) const;
+  void add_contact(std::size_t index, const std::vector<BodyMotion>& bodies, SceneLoads& loads,
+                   contact_nn::ContactCounters& counters) const;
+
   const crane_models::Scene& scene_;
   std::shared_ptr<const contact_nn::ContactModule> contact_;
-  std::vector<double> radius_;  // bounding sphere of each pair's boxes, a then b [m]
+  std::vector<Pair> pairs_;                             // as in Scene::pairs
+  std::vector<std::vector<SwitchTerm>> switch_terms_;   // as in Scene::landed_switches
 };
 
 }  // namespace quayside::harness

@@ -23,4 +23,19 @@ struct Lock {
   int command = -1;      // the scene's command that closes and opens it; −1: stays as it starts
 };
 
+// What one pin of a closed lock does.
+struct PinLoad {
+  Eigen::Vector3d force;        // on body b; body a gets its opposite [N]
+  double energy = 0;            // ½ k |offset|² [J]
+  double dissipated_power = 0;  // c |velocity|², never negative [W]
+};
+
+// `offset`: from the pin's point on a to that on b [m]. `velocity`: of b against a, both as material velocities at the
+// midpoint of the two points [m/s]. Frame of the result is that of the arguments.
+//
+// Both forces act at that midpoint. There a pair of opposite forces keeps linear and angular momentum exactly, however
+// far apart the points are, and the spring still does the work of its energy: its line of action runs through both
+// points, so their midpoint will do as well.
+PinLoad pin_load(const Lock& lock, const Eigen::Vector3d& offset, const Eigen::Vector3d& velocity);
+
 }  // namespace quayside::spreader

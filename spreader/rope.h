@@ -35,7 +35,12 @@ struct RopeTension {
   double dissipated_power = 0;  // (T − k x)(l̇ − L̇0), never negative [W]
 };
 
-// `length`, `rest_length` positive [m], rates in [m/s].
+// Stretch over which the damping of a rope that catches grows from nothing to its full value [m]: short against the
+// stretch under a load (centimetres), long against what an integrator resolves.
+inline constexpr double kDampingRamp = 2e-3;
+
+// `length` not negative [m], rates in [m/s]. A rest length that is not positive gives NaN throughout: a drive has hoisted
+// the rope away, and whoever integrates must notice.
 RopeTension rope_tension(const Rope& rope, double length, double length_rate, double rest_length, double rest_length_rate);
 
 }  // namespace quayside::spreader
