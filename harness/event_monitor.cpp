@@ -18,40 +18,25 @@ constexpr double kEventTimeTolerance = kNanosecond;  // [s]
 constexpr int kMaxIterations = 100;  // bisection alone halves 100 s to 1 ns in 37
 
 // The first whole nanosecond at or after t, so that the event has happened by then.
-Time nanosecond_after(double t) { return static_cast<Time>(std::ceil(t / kNanosecond)); }
+Time nanosecond_after(double t) {
+  const Time nearest = nanoseconds(t);
+  return seconds(nearest) < t ? nearest + 1 : nearest;
+}
 
 }  // namespace
 
-std::vector<BodyPair> body_pairs(const crane_models::Scene& scene) {
-  std::vector<BodyPair> pairs;
-  for (int i = 0; i < static_cast<int>(scene.pairs.size()); ++i) {
-    const auto& boxes = scene.pairs[i];
-    const auto known = std::find_if(pairs.begin(), pairs.end(), [&](const BodyPair& pair) {
-      return (pair.body_a == boxes.body_a && pair.body_b == boxes.body_b) ||
-             (pair.body_a == boxes.body_b && pair.body_b == boxes.body_a);
-    });
-    if (known != pairs.end()) {
-      known->members.push_back({i, known->body_a == boxes.body_a ? 1.0 : -1.0});
-    } else {
-      const std::string name = scene.bodies[boxes.body_a].name + "/" + scene.bodies[boxes.body_b].name;
-      pairs.push_back({boxes.body_a, boxes.body_b, name, {{i, 1.0}}});
-    }
-  }
-  return pairs;
-}
-
-Eigen::Vector3d pair_force(const BodyPair& pair, const SceneLoads& loads) {
+Eigen::Vector3d group_force(const crane_models::ContactGroup& group, const SceneLoads& loads) {
   Eigen::Vector3d force = Eigen::Vector3d::Zero();
-  for (const auto& member : pair.members) force += member.sign * loads.pairs[member.pair].f_W;
+  for (const int pair : group.pairs) force += loads.pairs[pair].f_W;
   return force;
 }
 
 EventMonitor::EventMonitor(const crane_models::Scene& scene)
     : scene_(scene),
-      pairs_(body_pairs(scene)),
+      groups_(crane_models::contact_groups(scene)),
       ropes_(scene.ropes.size()),
       switches_(scene.landed_switches.size()),
-      contacts_(pairs_.size()),
+      contacts_(groups_.size()),
       probe_(make_sample()) {
   crossings_.reserve(ropes_.size() + switches_.size() + contacts_.size());
 }
@@ -61,8 +46,8 @@ EventMonitor::Sample EventMonitor::make_sample() const {
   sample.indicators.ropes.resize(ropes_.size());
   sample.indicators.pairs.resize(scene_.pairs.size());
   sample.indicators.switches.resize(switches_.size());
-  sample.impulses.assign(pairs_.size(), Eigen::Vector3d::Zero());
-  sample.forces.assign(pairs_.size(), 0.0);
+  sample.impulses.assign(groups_.size(), Eigen::Vector3d::Zero());
+  sample.forces.assign(groups_.size(), 0.0);
   return sample;
 }
 
@@ -78,11 +63,9 @@ int EventMonitor::count(Kind kind) const {
 double EventMonitor::indicator(Kind kind, int index, const Sample& sample) const {
   if (kind == Kind::rope) return sample.indicators.ropes[index];
   if (kind == Kind::landed) return sample.indicators.switches[index];
-  // Bodies touch when any of their boxes do.
+  // Two things touch when any of their boxes do.
   double deepest = -std::numeric_limits<double>::infinity();
-  for (const auto& member : pairs_[index].members) {
-    deepest = std::max(deepest, sample.indicators.pairs[member.pair]);
-  }
+  for (const int pair : groups_[index].pairs) deepest = std::max(deepest, sample.indicators.pairs[pair]);
   return deepest;
 }
 
@@ -199,10 +182,10 @@ void EventMonitor::note_lock(Time time, int lock, bool closed) {
   rows_.push_back({time, closed ? EventKind::lock_closed : EventKind::lock_opened, lock, 0, 0, 0});
 }
 
-const std::string& EventMonitor::subject(const Row& row) const {
+std::string EventMonitor::subject(const Row& row) const {
   switch (row.kind) {
     case EventKind::contact_made:
-    case EventKind::contact_broken: return pairs_[row.index].name;
+    case EventKind::contact_broken: return groups_[row.index].a + "/" + groups_[row.index].b;
     case EventKind::rope_slack:
     case EventKind::rope_taut: return scene_.ropes[row.index].name;
     case EventKind::landed:
@@ -228,7 +211,7 @@ std::vector<Event> EventMonitor::open_contacts(const Sample& now) const {
   for (std::size_t i = 0; i < contacts_.size(); ++i) {
     const Contact& contact = contacts_[i];
     if (!contact.on) continue;
-    events.push_back({nanosecond_after(now.time), EventKind::contact_broken, pairs_[i].name,
+    events.push_back({nanosecond_after(now.time), EventKind::contact_broken, groups_[i].a + "/" + groups_[i].b,
                       (now.impulses[i] - contact.impulse_at_start).norm(),
                       std::max(contact.peak_force, now.forces[i]), now.time - contact.start});
   }

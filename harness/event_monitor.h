@@ -15,22 +15,8 @@
 
 namespace quayside::harness {
 
-// Two bodies of which some boxes may meet.
-struct BodyPair {
-  struct Member {
-    int pair;     // index in Scene::pairs
-    double sign;  // −1 where that pair names the two bodies in the other order
-  };
-  int body_a, body_b;
-  std::string name;  // "a/b"
-  std::vector<Member> members;
-};
-
-// Each pair of bodies once, in the order of their first appearance in Scene::pairs, named as there.
-std::vector<BodyPair> body_pairs(const crane_models::Scene& scene);
-
-// Force on `body_b` of a pair, summed over its boxes [N].
-Eigen::Vector3d pair_force(const BodyPair& pair, const SceneLoads& loads);
+// Force on the second of two named things, summed over their boxes [N].
+Eigen::Vector3d group_force(const crane_models::ContactGroup& group, const SceneLoads& loads);
 
 class EventMonitor {
  public:
@@ -38,8 +24,8 @@ class EventMonitor {
   struct Sample {
     double time = 0;                          // [s]
     SceneForces::Indicators indicators;
-    std::vector<Eigen::Vector3d> impulses;    // per BodyPair: ∫F dt on body_b from any fixed start [N s]
-    std::vector<double> forces;               // per BodyPair: magnitude of the force now [N]
+    std::vector<Eigen::Vector3d> impulses;    // per contact group: ∫F dt on `b` from any fixed start [N s]
+    std::vector<double> forces;               // per contact group: magnitude of the force now [N]
   };
   // Fills `sample` at a time within the step at hand.
   using SampleAt = std::function<void(double time, Sample& sample)>;
@@ -47,7 +33,7 @@ class EventMonitor {
   // The scene must outlive this object.
   explicit EventMonitor(const crane_models::Scene& scene);
 
-  const std::vector<BodyPair>& pairs() const { return pairs_; }
+  const std::vector<crane_models::ContactGroup>& groups() const { return groups_; }  // crane_models::contact_groups
   Sample make_sample() const;
 
   // Forgets everything and takes the state of all signals from `now`. Contacts that are made already are reported as
@@ -63,9 +49,9 @@ class EventMonitor {
   void note_lock(Time time, int lock, bool closed);
 
   bool landed(int landed_switch) const { return switches_[landed_switch].on; }
-  bool touching(int pair) const { return contacts_[pair].on; }
-  // Time since which this pair touches [s]. Meaningful while touching.
-  double touching_since(int pair) const { return contacts_[pair].start; }
+  bool touching(int group) const { return contacts_[group].on; }
+  // Time since which this group touches [s]. Meaningful while it does.
+  double touching_since(int group) const { return contacts_[group].start; }
 
   std::vector<Event> take_events();
   std::vector<Event> open_contacts(const Sample& now) const;
@@ -100,11 +86,11 @@ class EventMonitor {
   bool flips(Kind kind, int index, const Sample& sample) const;
   Time locate(Kind kind, int index, const Sample& begin, const Sample& end, const SampleAt& at);
   void flip(const Crossing& crossing, const Sample& then);
-  const std::string& subject(const Row& row) const;
+  std::string subject(const Row& row) const;
   int count(Kind kind) const;
 
   const crane_models::Scene& scene_;
-  std::vector<BodyPair> pairs_;
+  std::vector<crane_models::ContactGroup> groups_;
   std::vector<Signal> ropes_, switches_;
   std::vector<Contact> contacts_;
   std::vector<Row> rows_;
