@@ -52,9 +52,9 @@ struct ContainerSpec {
   double mass = 0;                                   // gross [kg]
   bool on_spreader = false;                          // "on: spreader"
   std::optional<std::string> on_top_of;              // name of another container, offset by `offset`
-  Eigen::Vector2d offset = Eigen::Vector2d::Zero();  // of the position on the lower one [m]
+  Eigen::Vector2d offset = Eigen::Vector2d::Zero();  // of the position on the lower one, along its edges [m]
   Eigen::Vector3d position = Eigen::Vector3d::Zero();
-  double yaw = 0;                                    // [degrees]
+  double yaw = 0;                                    // against the world, or the container it stands on [degrees]
   Eigen::Vector3d centre_of_gravity = Eigen::Vector3d::Zero();  // from the box's centre [m]
   bool fixed = false;                                // part of the ground
 };

@@ -1,0 +1,103 @@
+#include "cases/case.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "cases/sections.h"
+
+namespace quayside::cases {
+namespace {
+
+using namespace limits;
+
+ContactSpec read_contact(const Value& value) {
+  ContactSpec contact;
+  const Mapping mapping = value.mapping({"model", "law", "stiffness", "restitution", "reference_speed", "friction", "network"});
+  if (const auto model = mapping.find("model")) {
+    contact.model = model->choice<const char*>({{"committee", "committee"}, {"exact", "exact"}});
+  }
+  if (const auto law = mapping.find("law")) {
+    contact.law = law->choice<const char*>({{"potential", "potential"}, {"points", "points"}});
+  }
+  mapping.number("stiffness", kStiffness, contact.stiffness);
+  mapping.number("restitution", kRestitution, contact.restitution);
+  mapping.number("reference_speed", kReferenceSpeed, contact.reference_speed);
+  if (const auto friction = mapping.find("friction")) {
+    if (friction->is_mapping()) {
+      const Mapping law = friction->mapping({"coefficient", "transition_speed"});
+      contact.friction = law["coefficient"].number(kFriction);
+      law.number("transition_speed", kTransitionSpeed, contact.transition_speed);
+    } else {
+      contact.friction = friction->number(kFriction);
+    }
+  }
+  if (const auto network = mapping.find("network")) contact.network = network->text();
+  return contact;
+}
+
+SolverSpec read_solver(const Value& value) {
+  SolverSpec solver;
+  const Mapping mapping = value.mapping({"relative_tolerance", "max_step", "mujoco_step"});
+  mapping.number("relative_tolerance", kRelativeTolerance, solver.relative_tolerance);
+  mapping.number("max_step", kSolverStep, solver.max_step);
+  mapping.number("mujoco_step", kSolverStep, solver.mujoco_step);
+  return solver;
+}
+
+Case read_case(const Value& document) {
+  Case result;
+  const Mapping root =
+      document.mapping({"title", "duration", "crane", "spreader", "containers", "bodies", "ground", "gravity", "contact",
+                        "solver", "allow_overlap", "output", "script", "expect"});
+  result.title = root["title"].text();
+  result.duration = root["duration"].number(kDuration);
+  if (const auto crane = root.find("crane")) result.crane = read_crane(*crane);
+  const Context context{result.crane.type != "none", result.duration};
+
+  if (const auto spreader = root.find("spreader")) result.spreader = read_spreader(*spreader, context);
+  if (context.has_crane && !result.spreader) root["spreader"].expected("the spreader that hangs on the crane's ropes, e.g. {size: 40ft}");
+  read_loads(root, context, result);
+  const auto moves = [](const auto& object) { return !object.fixed; };
+  if (!context.has_crane && std::none_of(result.containers.begin(), result.containers.end(), moves) &&
+      std::none_of(result.bodies.begin(), result.bodies.end(), moves)) {
+    document.refuse("nothing in it can move, expected a crane, or a container or body that is not fixed");
+  }
+
+  root.boolean("ground", result.ground);
+  root.vector<3>("gravity", kGravity, result.gravity);
+  if (const auto contact = root.find("contact")) result.contact = read_contact(*contact);
+  if (const auto solver = root.find("solver")) result.solver = read_solver(*solver);
+  root.boolean("allow_overlap", result.allow_overlap);
+  if (const auto output = root.find("output")) {
+    const Value interval = output->mapping({"interval"})["interval"];
+    result.output_interval = interval.number(kOutputInterval);
+    if (result.output_interval > result.duration) {
+      interval.refuse(fmt::format("longer than the run, expected at most the duration of {} s", result.duration));
+    }
+  }
+  if (result.duration / result.output_interval > kMaxRows) {
+    root["duration"].refuse(fmt::format("{:.0f} rows of output at an interval of {} s, expected at most {:.0f}: set a longer output.interval",
+                                        result.duration / result.output_interval, result.output_interval, kMaxRows));
+  }
+  if (const auto script = root.find("script")) {
+    for (const Value& value : script->list(kMaxEntries)) result.script.push_back(read_script_entry(value, context));
+  }
+  if (const auto expect = root.find("expect")) {
+    for (const Value& value : expect->list(kMaxEntries)) result.expectations.push_back(read_expectation(value, context));
+  }
+  return result;
+}
+
+}  // namespace
+
+Case load_case(const std::filesystem::path& file, const std::vector<std::string>& overrides) {
+  Node root = read_document(file);
+  for (const std::string& text : overrides) apply_override(root, file, text);
+  Case result = read_case(Value(file, root));
+  result.file = file;
+  result.name = file.stem().string();
+  return result;
+}
+
+}  // namespace quayside::cases

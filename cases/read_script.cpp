@@ -1,0 +1,147 @@
+#include "cases/sections.h"
+
+#include <fmt/format.h>
+
+namespace quayside::cases {
+namespace {
+
+using namespace limits;
+
+double read_time(const Value& value, const Context& context) {
+  const double time = value.number(kTime);
+  if (time > context.duration) value.refuse(fmt::format("{} s is after the end, expected at most the duration of {} s", time, context.duration));
+  return time;
+}
+
+// Exactly one of `below` and `above`.
+void read_condition(const Value& when, const Context& context, ScriptEntry& entry) {
+  using Condition = ScriptEntry::Condition;
+  if (!when.is_mapping()) {
+    if (!when.is_scalar("landed")) when.expected("'landed' or {signal: ..., above | below: ...}");
+    if (!context.has_crane) when.refuse("there is no crane that lands anything, expected 'at' or a signal");
+    entry.condition = Condition::landed;
+    return;
+  }
+  const Mapping mapping = when.mapping({"signal", "above", "below"});
+  entry.signal = mapping["signal"].text();
+  const auto above = mapping.find("above"), below = mapping.find("below");
+  if (above.has_value() == below.has_value()) when.refuse("expected exactly one of: above, below");
+  entry.condition = above ? Condition::signal_above : Condition::signal_below;
+  entry.threshold = (above ? *above : *below).number(kSignal);
+}
+
+std::string read_engine(const Value& value) {
+  return value.choice<const char*>({{"simbody", "simbody"}, {"mujoco_same_law", "mujoco_same_law"}, {"mujoco", "mujoco"}});
+}
+
+// value: the signal at one moment, or its extreme, against a value with tolerance or against bounds.
+void read_value_expectation(const Value& value, const Context& context, Expectation& expectation) {
+  using Moment = Expectation::Moment;
+  const Mapping mapping =
+      value.mapping({"signal", "at", "value", "tolerance", "below", "above", "engine", "why"});
+  expectation.signal = mapping["signal"].text();
+  const Value at = mapping["at"];
+  if (at.is_scalar("end")) {
+    expectation.moment = Moment::end;
+  } else if (at.is_scalar("minimum")) {
+    expectation.moment = Moment::minimum;
+  } else if (at.is_scalar("maximum")) {
+    expectation.moment = Moment::maximum;
+  } else if (at.is_number()) {
+    expectation.moment = Moment::time;
+    expectation.time = read_time(at, context);
+  } else {
+    at.expected("a time in s, or one of: end, minimum, maximum");
+  }
+  mapping.number("value", kSignal, expectation.value);
+  mapping.number("tolerance", kTolerance, expectation.tolerance);
+  mapping.number("below", kSignal, expectation.below);
+  mapping.number("above", kSignal, expectation.above);
+  if (expectation.value.has_value() != expectation.tolerance.has_value()) {
+    value.refuse("half of a comparison, expected 'value' and 'tolerance' together");
+  }
+  if (!expectation.value && !expectation.below && !expectation.above) {
+    value.refuse("nothing to compare with, expected 'value' and 'tolerance', 'below', or 'above'");
+  }
+  if (expectation.below && expectation.above && *expectation.below <= *expectation.above) {
+    value.refuse(fmt::format("below {} and above {} leaves nothing, expected 'above' to be the smaller one",
+                             *expectation.below, *expectation.above));
+  }
+  if (const auto engine = mapping.find("engine")) expectation.engine = read_engine(*engine);
+  if (const auto why = mapping.find("why")) expectation.why = why->text();
+}
+
+// comparison: how far another engine's signal is from simbody's over the run.
+void read_comparison(const Value& value, Expectation& expectation) {
+  const Mapping mapping = value.mapping({"compare", "signal", "rms", "max", "why"});
+  expectation.kind = Expectation::Kind::comparison;
+  expectation.compare =
+      mapping["compare"].choice<const char*>({{"mujoco_same_law", "mujoco_same_law"}, {"mujoco", "mujoco"}});
+  expectation.signal = mapping["signal"].text();
+  mapping.number("rms", kTolerance, expectation.rms);
+  mapping.number("max", kTolerance, expectation.max);
+  if (!expectation.rms && !expectation.max) value.refuse("nothing to compare with, expected 'rms' or 'max'");
+  if (const auto why = mapping.find("why")) expectation.why = why->text();
+}
+
+// event: the first of its kind lies within a window.
+void read_event_expectation(const Value& value, const Context& context, Expectation& expectation) {
+  const Mapping mapping = value.mapping({"event", "subject", "between", "engine", "why"});
+  expectation.kind = Expectation::Kind::event;
+  expectation.event = mapping["event"].choice<const char*>({{"contact_made", "contact_made"},
+                                                            {"contact_broken", "contact_broken"},
+                                                            {"rope_slack", "rope_slack"},
+                                                            {"rope_taut", "rope_taut"},
+                                                            {"landed", "landed"},
+                                                            {"lifted", "lifted"},
+                                                            {"lock_closed", "lock_closed"},
+                                                            {"lock_opened", "lock_opened"}});
+  if (const auto subject = mapping.find("subject")) expectation.subject = subject->text();
+  const Value between = mapping["between"];
+  const Eigen::Vector2d window = between.vector<2>(kTime);
+  expectation.earliest = window[0];
+  expectation.latest = window[1];
+  if (!(window[0] < window[1] && window[1] <= context.duration)) {
+    between.refuse(fmt::format("no window within the run, expected [earliest, latest] up to the duration of {} s", context.duration));
+  }
+  if (const auto engine = mapping.find("engine")) expectation.engine = read_engine(*engine);
+  if (const auto why = mapping.find("why")) expectation.why = why->text();
+}
+
+}  // namespace
+
+ScriptEntry read_script_entry(const Value& value, const Context& context) {
+  ScriptEntry entry;
+  const Mapping mapping = value.mapping({"at", "when", "after", "hoist", "trolley", "twistlocks"});
+  const auto at = mapping.find("at"), when = mapping.find("when"), after = mapping.find("after");
+  if (at.has_value() == when.has_value()) value.refuse("when it happens is not clear, expected exactly one of: at, when");
+  if (at) entry.time = read_time(*at, context);
+  if (when) read_condition(*when, context, entry);
+  if (after && at) after->refuse("a delay after a known time, expected the sum under 'at'");
+  if (after) entry.after = after->number(kTime);
+
+  for (const char* drive : {"hoist", "trolley"}) {
+    if (const auto speed = mapping.find(drive)) entry.speeds.emplace_back(drive, speed->number(kDriveSpeed));
+  }
+  if (const auto twistlocks = mapping.find("twistlocks")) {
+    entry.commands.emplace_back("twistlocks", twistlocks->choice<bool>({{"close", true}, {"open", false}}));
+  }
+  if (entry.speeds.empty() && entry.commands.empty()) value.refuse("no command, expected one of: hoist, trolley, twistlocks");
+  if (!context.has_crane) value.refuse("a command without a crane, expected 'crane' with its keys, or no 'script'");
+  return entry;
+}
+
+Expectation read_expectation(const Value& value, const Context& context) {
+  Expectation expectation;
+  expectation.line = value.origin().line;
+  if (value.has("compare")) {
+    read_comparison(value, expectation);
+  } else if (value.has("event")) {
+    read_event_expectation(value, context, expectation);
+  } else {
+    read_value_expectation(value, context, expectation);
+  }
+  return expectation;
+}
+
+}  // namespace quayside::cases
