@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -43,7 +44,13 @@ struct RunResult {
   bool interrupted = false;
 };
 
-// Throws what building throws; failures while stepping are reported per engine.
-RunResult run_case(const cases::Case& description, const RunOptions& options);
+// Makes the unit of one engine; `make_engine` is the one that knows them all.
+using EngineFactory = std::function<std::unique_ptr<EngineUnit>(
+    const std::string& engine, const crane_models::Scene& scene, const contact_nn::ContactSettings& contact,
+    const SolverSettings& solver)>;
+
+// Throws what building throws, std::invalid_argument for a list of engines that is empty or names one twice; failures
+// while stepping are reported per engine.
+RunResult run_case(const cases::Case& description, const RunOptions& options, const EngineFactory& factory = make_engine);
 
 }  // namespace quayside::harness

@@ -17,7 +17,7 @@ namespace quayside::harness {
 
 using Time = std::int64_t;  // [ns]
 constexpr double kNanosecond = 1e-9;
-inline double seconds(Time t) { return static_cast<double>(t) * kNanosecond; }
+inline double seconds(Time t) { return static_cast<double>(t) / 1e9; }  // the double nearest to t
 Time nanoseconds(double t);  // rounded to nearest; throws std::out_of_range where int64 cannot hold it
 
 enum class Causality { parameter, input, output, local };

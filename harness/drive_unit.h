@@ -1,0 +1,88 @@
+// The operator and the motors: plays a case's script and moves the drives within their limits of speed and acceleration.
+//
+// Acceleration is piecewise constant and changes at event times only, so that within a step every drive moves exactly as
+// value + rate τ + ½ acceleration τ², which is what the engines take as input. All breakpoints (ends of ramps, `at`
+// times, ends of `after`) are announced by `update_discrete_states`.
+//
+// Variables, named as the engines name their inputs and outputs:
+//   outputs  <drive>.value, <drive>.rate, <drive>.acceleration per drive of the scene; <command> (boolean)
+//   inputs   every landed switch of the scene (boolean); signals of engines that conditions of the script name
+//
+// Conditions on switches and signals are looked at whenever units meet: at communication points and at events. A signal
+// may also be an output of this unit ("hoist.value"). A condition that holds starts its entry once; entries that are due
+// at the same moment fire in the order of the script.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "cases/case.h"
+#include "crane_models/scene.h"
+#include "harness/unit.h"
+
+namespace quayside::harness {
+
+class DriveUnit final : public Unit {
+ public:
+  // Takes the script from `description`; `scene` is the one that is simulated. Throws cases::CaseError for drives,
+  // commands, signals and switches that the scene does not have and for speeds beyond a drive's limit.
+  DriveUnit(const std::string& name, const cases::Case& description, const crane_models::Scene& scene);
+
+  const std::string& name() const override { return name_; }
+  const std::vector<Variable>& variables() const override { return variables_; }
+  double get(ValueReference variable) const override;
+  void set(ValueReference variable, double value) override;
+
+  void enter_initialization_mode(Time start) override;
+  void exit_initialization_mode() override {}
+  void enter_event_mode() override {}
+  std::optional<Time> update_discrete_states() override;
+  void enter_step_mode() override {}
+  StepResult do_step(Time now, Time step) override;
+
+  UnitState save() override;
+  void restore(const UnitState& state) override;
+  void terminate() override {}
+  void reset() override;
+
+ private:
+  // A motor's motion since `begin`: constant acceleration until `end` (kNever: no end), then `target` speed.
+  struct Segment {
+    Time begin, end;
+    crane_models::DriveMotion motion;  // at `begin`
+    double target;                     // rate when the ramp is over [unit/s]
+  };
+  struct Progress {
+    Time due;  // kNever: the condition has not held yet
+    bool fired;
+  };
+  struct Entry {
+    cases::ScriptEntry::Condition condition;
+    Time at, after;
+    std::vector<ValueReference> watched;  // one of them has to satisfy the condition
+    double threshold;
+    std::vector<std::pair<std::size_t, double>> rates;   // drive, rate of its value
+    std::vector<std::pair<std::size_t, double>> values;  // command's place in `values_`, 0 or 1
+  };
+
+  crane_models::DriveMotion motion(std::size_t drive) const;
+  bool holds(const Entry& entry) const;
+  bool waits_for_what_holds() const;
+  Time next_breakpoint() const;
+  void finish_ramp(Segment& segment);
+  void start_ramp(std::size_t drive, double target);
+  void fire(const Entry& entry);
+
+  std::string name_;
+  std::vector<crane_models::Drive> drives_;
+  std::vector<Entry> script_;
+  std::vector<Variable> variables_;  // three per drive, then what stands in `values_`
+
+  // The state.
+  Time time_ = 0;
+  std::vector<Segment> segments_;  // per drive
+  std::vector<Progress> progress_;  // per entry of the script
+  std::vector<double> values_;      // commands and inputs
+};
+
+}  // namespace quayside::harness

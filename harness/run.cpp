@@ -1,0 +1,194 @@
+#include "harness/run.h"
+
+#include <algorithm>
+#include <chrono>
+#include <stdexcept>
+#include <thread>
+
+#include <fmt/format.h>
+
+#include "harness/build_scene.h"
+#include "harness/drive_unit.h"
+#include "harness/master.h"
+
+namespace quayside::harness {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+crane_models::ScriptUse use_of(const crane_models::Scene& scene, const std::vector<cases::ScriptEntry>& script) {
+  crane_models::ScriptUse use{std::vector<bool>(scene.drives.size()), std::vector<bool>(scene.commands.size())};
+  for (const cases::ScriptEntry& line : script) {
+    for (std::size_t i = 0; i < scene.drives.size(); ++i) {
+      for (const auto& [name, speed] : line.speeds) {
+        if (name == scene.drives[i].name && speed != 0) use.drives_used[i] = true;
+      }
+    }
+    for (std::size_t i = 0; i < scene.commands.size(); ++i) {
+      for (const auto& [name, value] : line.commands) {
+        if (name == scene.commands[i].name && value != scene.commands[i].start) use.commands_used[i] = true;
+      }
+    }
+  }
+  return use;
+}
+
+crane_models::ReductionReport nothing_reduced(const crane_models::Scene& scene) {
+  crane_models::ReductionReport report;
+  report.bodies_before = report.bodies_after = static_cast<int>(scene.bodies.size());
+  report.degrees_of_freedom_before = report.degrees_of_freedom_after = crane_models::degrees_of_freedom(scene);
+  report.pairs_before = report.pairs_after = static_cast<int>(scene.pairs.size());
+  return report;
+}
+
+// One engine with drives of its own: a plant that may stop at its events, and the drives that follow it.
+class Chain {
+ public:
+  Chain(const std::string& engine, std::unique_ptr<EngineUnit> plant, DriveUnit drives)
+      : plant_(std::move(plant)), drives_(std::move(drives)) {
+    run_.engine = engine;
+    master_.add(*plant_);
+    master_.add(drives_);
+    for (const Variable& variable : drives_.variables()) {
+      const std::string at_drives = drives_.name() + "::" + variable.name;
+      const std::string at_plant = plant_->name() + "::" + variable.name;
+      if (variable.causality == Causality::output) master_.connect(at_drives, at_plant);
+      if (variable.causality == Causality::input) master_.connect(at_plant, at_drives);
+    }
+    for (const Unit* unit : {static_cast<const Unit*>(plant_.get()), static_cast<const Unit*>(&drives_)}) {
+      for (ValueReference i = 0; i < unit->variables().size(); ++i) {
+        const Variable& variable = unit->variables()[i];
+        if (variable.causality != Causality::output) continue;
+        recorded_.emplace_back(unit, i);
+        run_.trajectory.names.push_back(variable.name);
+        run_.trajectory.units.push_back(variable.unit);
+      }
+    }
+    run_.trajectory.columns.resize(recorded_.size());
+  }
+
+  const std::string& engine() const { return run_.engine; }
+  bool active() const { return active_; }
+
+  void initialize() {
+    guarded([&] {
+      master_.initialize(0);
+      initialized_ = true;
+      record();
+    });
+  }
+
+  void advance_to(Time time) {
+    guarded([&] {
+      const Clock::time_point begin = Clock::now();
+      active_ = master_.advance_to(time);
+      run_.step_times_s.push_back(std::chrono::duration<double>(Clock::now() - begin).count());
+      run_.wall_s += run_.step_times_s.back();
+      record();
+    });
+  }
+
+  EngineRun finish() {
+    guarded([&] {
+      if (!initialized_) return;
+      run_.simulated_s = seconds(master_.time());
+      run_.events = plant_->take_events();
+      run_.open_contacts = plant_->open_contacts();
+      run_.energy = plant_->energy();
+      run_.statistics = plant_->statistics();
+      master_.terminate();
+    });
+    return std::move(run_);
+  }
+
+ private:
+  // Runs `action`; what it throws ends this engine's run, and this one's alone. The first failure is the one to report.
+  template <typename Action>
+  void guarded(Action action) {
+    try {
+      action();
+    } catch (const std::exception& error) {
+      active_ = false;
+      if (!run_.failure) run_.failure = error.what();
+    }
+  }
+
+  void record() {
+    Recording& trajectory = run_.trajectory;
+    if (!trajectory.times.empty() && seconds(master_.time()) <= trajectory.times.back()) return;
+    // Read all of the row before any of it is kept, so that a failure leaves no ragged table.
+    row_.clear();
+    for (const auto& [unit, variable] : recorded_) row_.push_back(unit->get(variable));
+    trajectory.times.push_back(seconds(master_.time()));
+    for (std::size_t i = 0; i < row_.size(); ++i) trajectory.columns[i].push_back(row_[i]);
+  }
+
+  std::unique_ptr<EngineUnit> plant_;
+  DriveUnit drives_;
+  Master master_;
+  std::vector<std::pair<const Unit*, ValueReference>> recorded_;
+  std::vector<double> row_;
+  EngineRun run_;
+  bool initialized_ = false;
+  bool active_ = true;
+};
+
+void check_engines(const std::vector<std::string>& engines) {
+  if (engines.empty()) throw std::invalid_argument("no engine to run; name at least one");
+  for (std::size_t i = 0; i < engines.size(); ++i) {
+    if (std::count(engines.begin(), engines.end(), engines[i]) > 1) {
+      throw std::invalid_argument(fmt::format("engine \"{}\" is named twice; name every engine once", engines[i]));
+    }
+  }
+}
+
+}  // namespace
+
+// All engines pass the same communication points, one after another: multiples of the output interval and the end. Each point
+// is rounded to nanoseconds from its number, never reached by adding intervals up.
+RunResult run_case(const cases::Case& description, const RunOptions& options, const EngineFactory& factory) {
+  check_engines(options.engines);
+  const Time end = nanoseconds(description.duration);
+  if (end < 1 || nanoseconds(description.output_interval) < 1) {
+    throw std::invalid_argument("duration and output interval have to be a nanosecond at least");
+  }
+
+  RunResult result;
+  result.description = description;
+  result.scene = build_scene(description);
+  if (options.full_scene) {
+    result.reduction = nothing_reduced(result.scene);
+  } else {
+    const crane_models::ScriptUse use = use_of(result.scene, description.script);
+    result.scene = crane_models::reduce(result.scene, use, result.reduction);
+  }
+
+  const DriveUnit drives("drives", description, result.scene);
+  std::vector<std::unique_ptr<Chain>> chains;  // a master refers to the units beside it: chains stay where they are
+  for (const std::string& engine : options.engines) {
+    auto plant = factory(engine, result.scene, contact_settings(description.contact), solver_settings(description.solver));
+    chains.push_back(std::make_unique<Chain>(engine, std::move(plant), drives));
+  }
+
+  for (const auto& chain : chains) chain->initialize();
+  const auto any_active = [&] {
+    return std::any_of(chains.begin(), chains.end(), [](const auto& chain) { return chain->active(); });
+  };
+  const Clock::time_point begin = Clock::now();
+  Time time = 0;
+  for (std::uint64_t point = 1; time < end && any_active() && !result.interrupted; ++point) {
+    time = std::min(end, nanoseconds(static_cast<double>(point) * description.output_interval));
+    for (const auto& chain : chains) {
+      if (!chain->active()) continue;
+      chain->advance_to(time);
+      if (options.progress && !options.progress(seconds(time), chain->engine())) result.interrupted = true;
+    }
+    if (options.real_time) std::this_thread::sleep_until(begin + std::chrono::nanoseconds(time));
+  }
+
+  for (const auto& chain : chains) result.engines.push_back(chain->finish());
+  return result;
+}
+
+}  // namespace quayside::harness
