@@ -1,0 +1,82 @@
+// A Scene as a Simbody MultibodySystem with the forces of SceneForces: coordinates in, accelerations, loads and energies out.
+//
+// Coordinates y = [q of the joints that move freely, their u], in Simbody's generalized coordinates: quaternion (w, x, y, z)
+// and position for free joints, the first four of these for pivots, one value for sliders and hinges; driven joints have none,
+// their drive prescribes them. Speeds u of free joints and pivots: angular velocity, then velocity, in the parent's frame.
+// The position of a free joint is that of the centre of mass.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "harness/scene_forces.h"
+
+namespace quayside::harness {
+
+class MultibodyModel {
+ public:
+  enum class Quantity { position, angle, quaternion, velocity, angular_velocity };
+
+  // The scene must outlive this object.
+  MultibodyModel(const crane_models::Scene& scene, std::shared_ptr<const contact_nn::ContactModule> contact);
+  ~MultibodyModel();
+
+  int size() const { return static_cast<int>(quantities_.size()); }
+  const std::vector<Quantity>& quantities() const { return quantities_; }  // of each coordinate
+  const std::vector<int>& quaternions() const { return quaternions_; }     // where in y each begins
+
+  // What the drives do from `reference` on, until told otherwise.
+  void set_drive(int drive, double reference, const crane_models::DriveMotion& motion);
+  crane_models::DriveMotion drive(int drive, double t) const;
+  double drive_reference(int drive) const { return drives_[drive].reference; }
+  void set_lock(int lock, bool closed) { locks_closed_[lock] = closed; }
+  bool lock_closed(int lock) const { return locks_closed_[lock] != 0; }
+
+  // The scene's start: poses and velocities of its bodies, driven joints where their drives are at t.
+  void start(double t, double* y);
+
+  // Moves to (t, y) and evaluates motions, ropes, locks and contacts there. Allocates nothing, nor does `derivative`.
+  void evaluate(double t, const double* y);
+  // The same, and dy/dt. `y` is read before `y_dot` is written.
+  void derivative(double t, const double* y, double* y_dot);
+
+  // At the last evaluation:
+  double time() const { return time_; }
+  const std::vector<BodyMotion>& motions() const { return motions_; }
+  const SceneLoads& loads() const { return loads_; }
+  void indicators(SceneForces::Indicators& out) const { forces_.indicators(motions_, drive_now_, loads_, out); }
+  double time_to_contact(double depth, double acceleration) const {
+    return forces_.time_to_contact(motions_, depth, acceleration, locks_closed_);
+  }
+  double kinetic_energy() const;
+  double potential_energy() const;  // gravity, ropes, locks, contacts
+  double work_power() const;        // of rope drives and driven joints; after `derivative` only where joints are driven
+  double dissipated_power() const;  // ropes, locks, contacts, joints
+  bool has_driven_joints() const { return !driven_.empty(); }
+
+  std::uint64_t evaluations = 0;  // calls of `evaluate` and `derivative`
+  contact_nn::ContactCounters contact_counters;
+
+ private:
+  struct Simbody;
+  struct DriveState {
+    double reference = 0;  // [s]
+    crane_models::DriveMotion motion;
+  };
+
+  const crane_models::Scene& scene_;
+  SceneForces forces_;
+  std::vector<Quantity> quantities_;
+  std::vector<int> quaternions_;
+  std::vector<int> driven_;  // bodies with driven joints
+  std::vector<DriveState> drives_;
+  std::vector<crane_models::DriveMotion> drive_now_;
+  std::vector<char> locks_closed_;
+  double time_ = 0;
+  std::vector<BodyMotion> motions_;
+  SceneLoads loads_;
+  double joint_dissipation_ = 0;  // [W]
+  std::unique_ptr<Simbody> simbody_;
+};
+
+}  // namespace quayside::harness
