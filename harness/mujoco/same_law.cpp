@@ -1,0 +1,53 @@
+#include "harness/mujoco/same_law.h"
+
+#include <algorithm>
+
+#include "harness/mujoco/mjcf.h"
+
+namespace quayside::harness::mujoco {
+namespace {
+
+constexpr int kLastStage = 4;
+// Weights of the classical method.
+constexpr double kOuterWeight = 1.0 / 6, kInnerWeight = 1.0 / 3;
+
+std::string bodies_alone(const crane_models::Scene& scene) {
+  MjcfOptions options;
+  options.native = false;
+  return to_mjcf(scene, options);
+}
+
+}  // namespace
+
+SameLawEngine::SameLawEngine(const crane_models::Scene& scene, const contact_nn::ContactSettings& contact,
+                             const SolverSettings& solver)
+    : Engine("mujoco_same_law", scene, contact, solver, contact_nn::make_contact_module(contact), bodies_alone(scene)),
+      stage_(kLastStage + 1), stage_sum_(rates_.size()) {
+  reset();
+}
+
+void SameLawEngine::prepare_stages(double) {
+  stage_ = 2;
+  std::fill(stage_sum_.begin(), stage_sum_.end(), 0.0);
+}
+
+void SameLawEngine::add_passive_forces(const mjModel*, mjData* data) {
+  ++statistics_.rhs_evaluations;
+  fill_drives(data->time);
+  model_.read_motions(motions_);
+  forces_.evaluate(motions_, drives_, locks_closed_, loads_, statistics_.contact);
+  model_.add_forces(loads_.bodies, data->qfrc_passive);
+  write_rates(loads_.rope_work_in, loads_.dissipated_power + model_.joint_damping_power());
+  if (stage_ > kLastStage) return;
+  const double weight = stage_++ == kLastStage ? kOuterWeight : kInnerWeight;
+  for (std::size_t i = 0; i < rates_.size(); ++i) stage_sum_[i] += weight * rates_[i];
+}
+
+void SameLawEngine::integrate(double h, const std::vector<double>& rates_at_begin) {
+  if (stage_ != kLastStage + 1) throw MujocoError("the passive-force callback was replaced while a unit was stepping");
+  for (std::size_t i = 0; i < rates_.size(); ++i) {
+    integrals_[i] += h * (kOuterWeight * rates_at_begin[i] + stage_sum_[i]);
+  }
+}
+
+}  // namespace quayside::harness::mujoco
