@@ -198,7 +198,6 @@ TEST(RunCase, RecordsTheDrivesBesideTheEngine) {
   EXPECT_NEAR(told - hoist.front(), 0.4 * (3.5 - 0.4), 1e-12) << "the engine was told its drive at the step's beginning";
   EXPECT_EQ(trajectory.columns[trajectory.index("hoist.rate")].back(), 0.4);
   EXPECT_NO_THROW(trajectory.index("trolley.value"));
-  EXPECT_NO_THROW(trajectory.index("twistlocks"));
 }
 
 // Pacing only ever waits, so that the wall time has a lower bound.
