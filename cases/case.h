@@ -62,7 +62,7 @@ struct ContainerSpec {
 struct BodySpec {
   std::string name;
   Eigen::Vector3d size = Eigen::Vector3d::Ones();    // full edges [m]
-  double mass = 0;                                   // [kg]; uniform density
+  double mass = 0;                                   // [kg]; uniform density; 0 if fixed without one
   Eigen::Vector3d position = Eigen::Vector3d::Zero();
   Eigen::Quaterniond orientation = Eigen::Quaterniond::Identity();  // R_WB
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();

@@ -32,8 +32,8 @@ struct Source {
   }
 };
 
-// Builds the tree from the parser's events, so that hostile input is refused while it is read: the tree is never deeper or
-// larger than the limits, and aliases are never expanded.
+// Builds the tree from the parser's events, so that hostile input is refused while it is read: the tree is never deeper
+// or larger than the limits, and aliases are never expanded.
 class TreeBuilder : public YAML::EventHandler {
  public:
   explicit TreeBuilder(const Source& source) : source_(source) {}
@@ -82,7 +82,8 @@ class TreeBuilder : public YAML::EventHandler {
   void open(Node::Kind kind, const YAML::Mark& mark, const std::string& tag) {
     check_tag(mark, tag);
     if (open_.size() >= kMaxDepth) fail(mark, fmt::format("nested too deeply, expected at most {} levels", kMaxDepth));
-    if (!open_.empty() && open_.back().wants_key()) fail(mark, "a list or mapping as a key, expected a word");
+    if (!open_.empty() && open_.back().wants_key())
+      fail(mark, "a list or mapping as a key, expected a word (is a closing bracket missing?)");
     open_.push_back({make(kind, mark)});
   }
 
@@ -109,15 +110,16 @@ class TreeBuilder : public YAML::EventHandler {
     if (key.kind != Node::Kind::scalar) source_.fail(key.origin, path() + "an empty key, expected a word");
     for (const Key& other : mapping.keys) {
       if (other.text == key.text) {
-        source_.fail(key.origin, path() + fmt::format("duplicate key '{}', expected it once (first on line {})", key.text,
-                                                      other.origin.line));
+        source_.fail(key.origin, path() + fmt::format("duplicate key '{}', expected it once (first on line {})",
+                                                      key.text, other.origin.line));
       }
     }
     mapping.keys.push_back({key.text, key.origin});
   }
 
   void check_tag(const YAML::Mark& mark, const std::string& tag) const {
-    if (!tag.empty() && tag != "?" && tag != "!") fail(mark, "the tag '" + tag + "' is not supported, expected a plain value");
+    if (!tag.empty() && tag != "?" && tag != "!")
+      fail(mark, "the tag '" + tag + "' is not supported, expected a plain value");
   }
 
   // Path of the innermost open node, as a prefix of a message.
@@ -163,7 +165,8 @@ Node parse(const Source& source, const std::string& text) {
     Node root = builder.take();
     TreeBuilder rest(source);
     if (parser.HandleNextDocument(rest)) {
-      source.fail(rest.take().origin, "a second document ('---'), expected one case in a file");
+      source.fail(rest.take().origin,
+                  "a second document begins here, expected one case in a file (is the indentation right?)");
     }
     return root;
   } catch (const YAML::Exception& error) {

@@ -9,8 +9,8 @@ namespace quayside::cases {
 
 // Where a value was written: a line of the file, or an override.
 struct Origin {
-  int line = 0;                // from 1
-  std::string override_text;   // "key.path=value"; empty: from the file
+  int line = 0;               // from 1
+  std::string override_text;  // "key.path=value"; empty: from the file
 };
 
 struct Key {
@@ -33,8 +33,8 @@ struct Node {
 // "file:line" or "file: override 'key.path=value'".
 std::string location(const std::filesystem::path& file, const Origin& origin);
 
-// Reads a file that holds one YAML document. Throws CaseError for what is no such file: missing, a directory, too large, empty,
-// not text, ill-formed, nested too deeply, with duplicate keys, aliases, tags or keys that are not text.
+// Reads a file that holds one YAML document. Throws CaseError for what is no such file: missing, a directory, too
+// large, empty, not text, ill-formed, nested too deeply, with duplicate keys, aliases, tags or keys that are not text.
 Node read_document(const std::filesystem::path& file);
 
 // Applies "key.path=value" to the tree; the value is YAML. Entries of lists are addressed by index or by their `name`,

@@ -1,9 +1,8 @@
-#include "cases/case.h"
-
 #include <algorithm>
 
 #include <fmt/format.h>
 
+#include "cases/case.h"
 #include "cases/sections.h"
 
 namespace quayside::cases {
@@ -13,12 +12,13 @@ using namespace limits;
 
 ContactSpec read_contact(const Value& value) {
   ContactSpec contact;
-  const Mapping mapping = value.mapping({"model", "law", "stiffness", "restitution", "reference_speed", "friction", "network"});
+  const Mapping mapping =
+      value.mapping({"model", "law", "stiffness", "restitution", "reference_speed", "friction", "network"});
   if (const auto model = mapping.find("model")) {
-    contact.model = model->choice<const char*>({{"committee", "committee"}, {"exact", "exact"}});
+    contact.model = model->word({"committee", "exact"});
   }
   if (const auto law = mapping.find("law")) {
-    contact.law = law->choice<const char*>({{"potential", "potential"}, {"points", "points"}});
+    contact.law = law->word({"potential", "points"});
   }
   mapping.number("stiffness", kStiffness, contact.stiffness);
   mapping.number("restitution", kRestitution, contact.restitution);
@@ -48,15 +48,16 @@ SolverSpec read_solver(const Value& value) {
 Case read_case(const Value& document) {
   Case result;
   const Mapping root =
-      document.mapping({"title", "duration", "crane", "spreader", "containers", "bodies", "ground", "gravity", "contact",
-                        "solver", "allow_overlap", "output", "script", "expect"});
+      document.mapping({"title", "duration", "crane", "spreader", "containers", "bodies", "ground", "gravity",
+                        "contact", "solver", "allow_overlap", "output", "script", "expect"});
   result.title = root["title"].text();
   result.duration = root["duration"].number(kDuration);
   if (const auto crane = root.find("crane")) result.crane = read_crane(*crane);
   const Context context{result.crane.type != "none", result.duration};
 
   if (const auto spreader = root.find("spreader")) result.spreader = read_spreader(*spreader, context);
-  if (context.has_crane && !result.spreader) root["spreader"].expected("the spreader that hangs on the crane's ropes, e.g. {size: 40ft}");
+  if (context.has_crane && !result.spreader)
+    root["spreader"].expected("the spreader that hangs on the crane's ropes, e.g. {size: 40ft}");
   read_loads(root, context, result);
   const auto moves = [](const auto& object) { return !object.fixed; };
   if (!context.has_crane && std::none_of(result.containers.begin(), result.containers.end(), moves) &&
@@ -77,14 +78,16 @@ Case read_case(const Value& document) {
     }
   }
   if (result.duration / result.output_interval > kMaxRows) {
-    root["duration"].refuse(fmt::format("{:.0f} rows of output at an interval of {} s, expected at most {:.0f}: set a longer output.interval",
-                                        result.duration / result.output_interval, result.output_interval, kMaxRows));
+    root["duration"].refuse(fmt::format(
+        "{:.0f} rows of output at an interval of {} s, expected at most {:.0f}: set a longer output.interval",
+        result.duration / result.output_interval, result.output_interval, kMaxRows));
   }
   if (const auto script = root.find("script")) {
     for (const Value& value : script->list(kMaxEntries)) result.script.push_back(read_script_entry(value, context));
   }
   if (const auto expect = root.find("expect")) {
-    for (const Value& value : expect->list(kMaxEntries)) result.expectations.push_back(read_expectation(value, context));
+    for (const Value& value : expect->list(kMaxEntries))
+      result.expectations.push_back(read_expectation(value, context));
   }
   return result;
 }

@@ -12,9 +12,9 @@ namespace {
 using namespace limits;
 
 // Parts of the scene and of signal names that a container or body cannot be called after.
-const std::set<std::string> kReservedNames{"boom",   "contact",  "crane", "energy",  "ground",     "headblock", "hoist",
-                                           "landed", "locks",    "rope",  "spreader", "time",      "trolley",   "twistlocks",
-                                           "world"};
+const std::set<std::string> kReservedNames{"boom",      "contact", "crane",   "energy",     "ground",
+                                           "headblock", "hoist",   "landed",  "locks",      "rope",
+                                           "spreader",  "time",    "trolley", "twistlocks", "world"};
 
 ContainerType read_container_type(const Value& value) {
   return value.choice<ContainerType>({{"20ft", ContainerType::iso20},
@@ -29,16 +29,19 @@ void read_drive_limits(const Mapping& mapping, DriveSpec& drive) {
 }
 
 // Exactly one of on (the spreader), on_top_of and position says where a container is.
-void read_container_place(const Value& value, const Mapping& mapping, const Context& context, ContainerSpec& container) {
+void read_container_place(const Value& value, const Mapping& mapping, const Context& context,
+                          ContainerSpec& container) {
   const auto on = mapping.find("on"), on_top_of = mapping.find("on_top_of"), position = mapping.find("position");
   if (on.has_value() + on_top_of.has_value() + position.has_value() != 1) {
     value.refuse("its place is not clear, expected exactly one of: on, on_top_of, position");
   }
   if (on) {
     container.on_spreader = on->choice<bool>({{"spreader", true}});
-    if (!context.has_crane) on->refuse("there is no crane with a spreader, expected 'crane' and 'spreader', or a position");
+    if (!context.has_crane)
+      on->refuse("there is no crane with a spreader, expected 'crane' and 'spreader', or a position");
     for (const char* key : {"yaw", "fixed"}) {
-      if (const auto other = mapping.find(key)) other->refuse("it hangs on the spreader, expected no such key with 'on'");
+      if (const auto other = mapping.find(key))
+        other->refuse("it hangs on the spreader, expected no such key with 'on'");
     }
   }
   if (on_top_of) container.on_top_of = on_top_of->name();
@@ -69,7 +72,8 @@ Eigen::Quaterniond read_orientation(const Value& value) {
   if (rpy.has_value() == quaternion.has_value()) value.refuse("expected exactly one of: rpy, quaternion");
   if (rpy) {
     const Eigen::Vector3d angles = rpy->vector<3>(kAngle) * (M_PI / 180);
-    return Eigen::AngleAxisd(angles.z(), Eigen::Vector3d::UnitZ()) * Eigen::AngleAxisd(angles.y(), Eigen::Vector3d::UnitY()) *
+    return Eigen::AngleAxisd(angles.z(), Eigen::Vector3d::UnitZ()) *
+           Eigen::AngleAxisd(angles.y(), Eigen::Vector3d::UnitY()) *
            Eigen::AngleAxisd(angles.x(), Eigen::Vector3d::UnitX());
   }
   const Eigen::Vector4d wxyz = quaternion->vector<4>({-1, 1, ""});
@@ -85,10 +89,10 @@ BodySpec read_body(const Value& value) {
       value.mapping({"name", "size", "mass", "position", "orientation", "velocity", "angular_velocity", "fixed"});
   body.name = mapping["name"].name();
   body.size = mapping["size"].vector<3>(kBodyEdge);
-  body.mass = mapping["mass"].number(kBodyMass);
+  mapping.boolean("fixed", body.fixed);
+  if (!body.fixed || mapping.find("mass")) body.mass = mapping["mass"].number(kBodyMass);
   body.position = mapping["position"].vector<3>(kPosition);
   if (const auto orientation = mapping.find("orientation")) body.orientation = read_orientation(*orientation);
-  mapping.boolean("fixed", body.fixed);
   for (const char* key : {"velocity", "angular_velocity"}) {
     const auto motion = mapping.find(key);
     if (motion && body.fixed) motion->refuse("the body is fixed, expected no such key");
@@ -99,7 +103,8 @@ BodySpec read_body(const Value& value) {
 }
 
 void check_name(const Value& value, const std::string& name, std::set<std::string>& taken) {
-  if (kReservedNames.count(name)) value.refuse(fmt::format("the name '{}' is taken by the scene, expected another name", name));
+  if (kReservedNames.count(name))
+    value.refuse(fmt::format("the name '{}' is taken by the scene, expected another name", name));
   if (!taken.insert(name).second) value.refuse(fmt::format("duplicate name '{}', expected another name", name));
 }
 
@@ -116,12 +121,13 @@ void check_stacks(const std::vector<Value>& values, const std::vector<ContainerS
       if (lower == containers.end()) {
         std::vector<std::string> names;
         for (const auto& container : containers) names.push_back(container.name);
-        const std::string hint = nearest(*upper->on_top_of, names);
         refuse(fmt::format("no container is called '{}'{}, expected the name of another container", *upper->on_top_of,
-                           hint.empty() ? "" : fmt::format(", did you mean '{}'?", hint)));
+                           suggestion(*upper->on_top_of, names)));
       }
-      if (lower->on_spreader) refuse(fmt::format("'{}' hangs on the spreader, expected a container that stands", lower->name));
-      if (++levels > containers.size()) refuse("the stack stands on itself, expected a lowest container with a position");
+      if (lower->on_spreader)
+        refuse(fmt::format("'{}' hangs on the spreader, expected a container that stands", lower->name));
+      if (++levels > containers.size())
+        refuse("the stack stands on itself, expected a lowest container with a position");
       upper = &*lower;
     }
   }
@@ -137,10 +143,11 @@ bool fits(ContainerType spreader, ContainerType container) {
 CraneSpec read_crane(const Value& value) {
   CraneSpec crane;
   const Mapping mapping = value.mapping({"type", "trolley", "hoist", "sheaves", "ropes"});
-  crane.type = mapping["type"].choice<const char*>({{"quayside", "quayside"}, {"none", "none"}});
+  crane.type = mapping["type"].word({"quayside", "none"});
   if (crane.type == "none") {
     for (const char* key : {"trolley", "hoist", "sheaves", "ropes"}) {
-      if (const auto part = mapping.find(key)) part->refuse("there is no crane, expected 'crane.type: quayside' or no such key");
+      if (const auto part = mapping.find(key))
+        part->refuse("there is no crane, expected 'crane.type: quayside' or no such key");
     }
     return crane;
   }
@@ -168,7 +175,8 @@ CraneSpec read_crane(const Value& value) {
 }
 
 SpreaderSpec read_spreader(const Value& value, const Context& context) {
-  if (!context.has_crane) value.refuse("there is no crane to carry it, expected 'crane' with its keys, or no 'spreader'");
+  if (!context.has_crane)
+    value.refuse("there is no crane to carry it, expected 'crane' with its keys, or no 'spreader'");
   SpreaderSpec spreader;
   const Mapping mapping = value.mapping({"size", "skew", "mass", "lock_stiffness"});
   // A high cube has the corners of a 40 ft box: there is no spreader of its own.

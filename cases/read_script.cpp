@@ -1,6 +1,6 @@
-#include "cases/sections.h"
-
 #include <fmt/format.h>
+
+#include "cases/sections.h"
 
 namespace quayside::cases {
 namespace {
@@ -9,7 +9,8 @@ using namespace limits;
 
 double read_time(const Value& value, const Context& context) {
   const double time = value.number(kTime);
-  if (time > context.duration) value.refuse(fmt::format("{} s is after the end, expected at most the duration of {} s", time, context.duration));
+  if (time > context.duration)
+    value.refuse(fmt::format("{} s is after the end, expected at most the duration of {} s", time, context.duration));
   return time;
 }
 
@@ -17,7 +18,7 @@ double read_time(const Value& value, const Context& context) {
 void read_condition(const Value& when, const Context& context, ScriptEntry& entry) {
   using Condition = ScriptEntry::Condition;
   if (!when.is_mapping()) {
-    if (!when.is_scalar("landed")) when.expected("'landed' or {signal: ..., above | below: ...}");
+    if (!when.is_scalar("landed")) when.expected("{signal: ..., above | below: ...} or one of: landed");
     if (!context.has_crane) when.refuse("there is no crane that lands anything, expected 'at' or a signal");
     entry.condition = Condition::landed;
     return;
@@ -30,15 +31,12 @@ void read_condition(const Value& when, const Context& context, ScriptEntry& entr
   entry.threshold = (above ? *above : *below).number(kSignal);
 }
 
-std::string read_engine(const Value& value) {
-  return value.choice<const char*>({{"simbody", "simbody"}, {"mujoco_same_law", "mujoco_same_law"}, {"mujoco", "mujoco"}});
-}
+std::string read_engine(const Value& value) { return value.word({"simbody", "mujoco_same_law", "mujoco"}); }
 
 // value: the signal at one moment, or its extreme, against a value with tolerance or against bounds.
 void read_value_expectation(const Value& value, const Context& context, Expectation& expectation) {
   using Moment = Expectation::Moment;
-  const Mapping mapping =
-      value.mapping({"signal", "at", "value", "tolerance", "below", "above", "engine", "why"});
+  const Mapping mapping = value.mapping({"signal", "at", "value", "tolerance", "below", "above", "engine", "why"});
   expectation.signal = mapping["signal"].text();
   const Value at = mapping["at"];
   if (at.is_scalar("end")) {
@@ -75,8 +73,7 @@ void read_value_expectation(const Value& value, const Context& context, Expectat
 void read_comparison(const Value& value, Expectation& expectation) {
   const Mapping mapping = value.mapping({"compare", "signal", "rms", "max", "why"});
   expectation.kind = Expectation::Kind::comparison;
-  expectation.compare =
-      mapping["compare"].choice<const char*>({{"mujoco_same_law", "mujoco_same_law"}, {"mujoco", "mujoco"}});
+  expectation.compare = mapping["compare"].word({"mujoco_same_law", "mujoco"});
   expectation.signal = mapping["signal"].text();
   mapping.number("rms", kTolerance, expectation.rms);
   mapping.number("max", kTolerance, expectation.max);
@@ -88,21 +85,16 @@ void read_comparison(const Value& value, Expectation& expectation) {
 void read_event_expectation(const Value& value, const Context& context, Expectation& expectation) {
   const Mapping mapping = value.mapping({"event", "subject", "between", "engine", "why"});
   expectation.kind = Expectation::Kind::event;
-  expectation.event = mapping["event"].choice<const char*>({{"contact_made", "contact_made"},
-                                                            {"contact_broken", "contact_broken"},
-                                                            {"rope_slack", "rope_slack"},
-                                                            {"rope_taut", "rope_taut"},
-                                                            {"landed", "landed"},
-                                                            {"lifted", "lifted"},
-                                                            {"lock_closed", "lock_closed"},
-                                                            {"lock_opened", "lock_opened"}});
+  expectation.event = mapping["event"].word(
+      {"contact_made", "contact_broken", "rope_slack", "rope_taut", "landed", "lifted", "lock_closed", "lock_opened"});
   if (const auto subject = mapping.find("subject")) expectation.subject = subject->text();
   const Value between = mapping["between"];
   const Eigen::Vector2d window = between.vector<2>(kTime);
   expectation.earliest = window[0];
   expectation.latest = window[1];
   if (!(window[0] < window[1] && window[1] <= context.duration)) {
-    between.refuse(fmt::format("no window within the run, expected [earliest, latest] up to the duration of {} s", context.duration));
+    between.refuse(fmt::format("no window within the run, expected [earliest, latest] up to the duration of {} s",
+                               context.duration));
   }
   if (const auto engine = mapping.find("engine")) expectation.engine = read_engine(*engine);
   if (const auto why = mapping.find("why")) expectation.why = why->text();
@@ -114,7 +106,8 @@ ScriptEntry read_script_entry(const Value& value, const Context& context) {
   ScriptEntry entry;
   const Mapping mapping = value.mapping({"at", "when", "after", "hoist", "trolley", "twistlocks"});
   const auto at = mapping.find("at"), when = mapping.find("when"), after = mapping.find("after");
-  if (at.has_value() == when.has_value()) value.refuse("when it happens is not clear, expected exactly one of: at, when");
+  if (at.has_value() == when.has_value())
+    value.refuse("when it happens is not clear, expected exactly one of: at, when");
   if (at) entry.time = read_time(*at, context);
   if (when) read_condition(*when, context, entry);
   if (after && at) after->refuse("a delay after a known time, expected the sum under 'at'");
@@ -126,7 +119,8 @@ ScriptEntry read_script_entry(const Value& value, const Context& context) {
   if (const auto twistlocks = mapping.find("twistlocks")) {
     entry.commands.emplace_back("twistlocks", twistlocks->choice<bool>({{"close", true}, {"open", false}}));
   }
-  if (entry.speeds.empty() && entry.commands.empty()) value.refuse("no command, expected one of: hoist, trolley, twistlocks");
+  if (entry.speeds.empty() && entry.commands.empty())
+    value.refuse("no command, expected one of: hoist, trolley, twistlocks");
   if (!context.has_crane) value.refuse("a command without a crane, expected 'crane' with its keys, or no 'script'");
   return entry;
 }

@@ -22,10 +22,14 @@ std::string quoted(const std::string& text) {
 std::string describe(const Node* node) {
   if (!node) return "missing";
   switch (node->kind) {
-    case Node::Kind::nothing: return "found nothing";
-    case Node::Kind::scalar: return "found " + quoted(node->text) + (node->quoted ? " (in quotes)" : "");
-    case Node::Kind::list: return fmt::format("found a list of {}", node->items.size());
-    case Node::Kind::mapping: return "found a mapping";
+    case Node::Kind::nothing:
+      return "found nothing";
+    case Node::Kind::scalar:
+      return "found " + quoted(node->text) + (node->quoted ? " (in quotes)" : "");
+    case Node::Kind::list:
+      return fmt::format("found a list of {}", node->items.size());
+    case Node::Kind::mapping:
+      return "found a mapping";
   }
   return "";
 }
@@ -63,19 +67,19 @@ std::size_t edit_distance(const std::string& a, const std::string& b) {
 
 }  // namespace
 
-std::string nearest(const std::string& word, const std::vector<std::string>& candidates) {
-  std::string best;
-  std::size_t fewest = std::max<std::size_t>(2, word.size() / 3) + 1;  // two slips, or one in three letters
-  if (word.size() > limits::kMaxName) return best;
+// Two slips, or one in three letters, are taken for a misspelling; words that share no letter are not alike.
+std::string suggestion(const std::string& word, const std::vector<std::string>& candidates) {
+  if (word.size() > limits::kMaxName) return "";
+  std::string nearest;
+  std::size_t fewest = std::max<std::size_t>(2, word.size() / 3) + 1;
   for (const std::string& candidate : candidates) {
     const std::size_t edits = edit_distance(word, candidate);
-    // Two short words that share no letter are not alike.
     if (edits < fewest && edits < std::max(word.size(), candidate.size())) {
       fewest = edits;
-      best = candidate;
+      nearest = candidate;
     }
   }
-  return best;
+  return nearest.empty() ? "" : fmt::format(" (did you mean '{}'?)", nearest);
 }
 
 Value::Value(const Value& parent, const std::string& key, const Node* node, const Origin& origin)
@@ -137,11 +141,14 @@ std::size_t Value::choose(const std::vector<std::string>& words) const {
   if (!is_scalar()) expected(list);
   const auto found = std::find(words.begin(), words.end(), node_->text);
   if (found == words.end()) {
-    const std::string hint = nearest(node_->text, words);
-    if (hint.empty()) expected(list);
-    refuse(fmt::format("{}, did you mean '{}'? expected {}", describe(node_), hint, list));
+    refuse(fmt::format("{}{}, expected {}", describe(node_), suggestion(node_->text, words), list));
   }
   return static_cast<std::size_t>(found - words.begin());
+}
+
+std::string Value::word(std::initializer_list<const char*> words) const {
+  const std::vector<std::string> names(words.begin(), words.end());
+  return names[choose(names)];
 }
 
 std::vector<Value> Value::list(std::size_t most) const {
@@ -170,11 +177,10 @@ Mapping::Mapping(const Value& value, std::initializer_list<const char*> accepted
   if (!value.is_mapping()) value.expected("a mapping with the keys: " + list);
   for (const Key& key : value.node_->keys) {
     if (std::find(names.begin(), names.end(), key.text) != names.end()) continue;
-    const std::string hint = nearest(key.text, names);
     Value at_key = value;
     at_key.origin_ = key.origin;
-    at_key.refuse(fmt::format("unknown key {}{}, expected one of: {}", quoted(key.text),
-                              hint.empty() ? "" : ", did you mean '" + hint + "'?", list));
+    at_key.refuse(
+        fmt::format("unknown key {}{}, expected one of: {}", quoted(key.text), suggestion(key.text, names), list));
   }
 }
 

@@ -1,5 +1,5 @@
-// Typed reading of a document: a cursor that knows the file, the line, the path of keys and what it expects there. Every
-// refusal reads "file:line: key.path: what is wrong, expected ...".
+// Typed reading of a document: a cursor that knows the file, the line, the path of keys and what it expects there.
+// Every refusal reads "file:line: key.path: what is wrong, expected ...".
 #pragma once
 
 #include <filesystem>
@@ -30,6 +30,7 @@ class Value {
   std::string name() const;  // a letter, then letters, digits, '_' and '-'
   template <int n>
   Eigen::Matrix<double, n, 1> vector(const limits::Range& range) const;
+  std::string word(std::initializer_list<const char*> words) const;  // one of these
   template <class T>
   T choice(std::initializer_list<std::pair<const char*, T>> words) const;
   std::vector<Value> list(std::size_t most) const;
@@ -96,8 +97,8 @@ class Mapping {
   std::vector<const char*> accepted_;
 };
 
-// The candidate with the fewest edits from `word`, or empty if none is near.
-std::string nearest(const std::string& word, const std::vector<std::string>& candidates);
+// " (did you mean 'x'?)" for the candidate with the fewest edits from `word`, or empty if none is near.
+std::string suggestion(const std::string& word, const std::vector<std::string>& candidates);
 
 template <int n>
 Eigen::Matrix<double, n, 1> Value::vector(const limits::Range& range) const {
