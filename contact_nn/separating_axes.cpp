@@ -1,5 +1,6 @@
 #include "contact_nn/separating_axes.h"
 
+#include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <limits>
@@ -102,18 +103,11 @@ NamedSeparation largest_separation(const Box& a, const Box& b, const Pose& X_AB,
   const Relative x(a, b, X_AB);
   double gap = -std::numeric_limits<double>::infinity();
   int best = -1;
-  for (const int axis : named) {
+  std::array<int, 3> order = named;  // as the whole test does it: faces first, which an edge must beat
+  std::sort(order.begin(), order.end());
+  for (const int axis : order) {
     assert(axis >= 0 && axis < kAxisCount);
-    // A named edge needs no head start over faces here: whether it beats them by more than rounding is checked below.
-    if (axis < 6) {
-      keep_better(x, axis, gap, best);
-    } else {
-      const int i = (axis - 6) / 3, j = (axis - 6) % 3;
-      const double squared = x.squared_sine(i, j);
-      if (squared < kParallelSine * kParallelSine) continue;
-      const double s = x.edge_numerator(i, j) / std::sqrt(squared);
-      if (s > gap) gap = s, best = axis;
-    }
+    keep_better(x, axis, gap, best);
   }
   if (best < 0) return {largest_separation(a, b, X_AB), false};  // only parallel edges were named
 
@@ -121,8 +115,8 @@ NamedSeparation largest_separation(const Box& a, const Box& b, const Pose& X_AB,
       best < 6 ? 0 : x.rounding / std::sqrt(x.squared_sine((best - 6) / 3, (best - 6) % 3));
   bool certified = true;
   for (int i = 0; i < 3; ++i) {
-    certified &= best == i || x.face_a(i) <= gap - edge_slack;
-    certified &= best == 3 + i || x.face_b(i) <= gap - edge_slack;
+    certified &= best == i || x.face_a(i) < gap - edge_slack || (i > best && x.face_a(i) == gap);
+    certified &= best == 3 + i || x.face_b(i) < gap - edge_slack || (3 + i > best && x.face_b(i) == gap);
   }
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j)
