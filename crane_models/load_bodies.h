@@ -15,7 +15,8 @@ spreader::MassProperties mass_properties(const Body& body);
 // Uniform density; `size`: full edges [m]. Free, at the world's origin.
 Body box_body(const std::string& name, const Eigen::Vector3d& size, double mass);
 
-// A container whose mass is spread as in a uniform box, about a centre of gravity at p_BBcm. Free, at the world's origin.
+// A container whose mass is spread as in a uniform box, about a centre of gravity at p_BBcm. Free, at the world's
+// origin.
 Body container_body(const std::string& name, spreader::ContainerSize size, double mass,
                     const Eigen::Vector3d& p_BBcm);
 

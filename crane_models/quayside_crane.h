@@ -15,8 +15,8 @@ struct DriveLimits {
   double max_acceleration;  // [m/s²]
 };
 
-// Defaults are typical of cranes in service, from makers' data sheets: trolleys run at 2.5 to 4 m/s with 0.6 to 0.8 m/s²,
-// loads are hoisted at 1.0 to 1.33 m/s with 0.5 to 0.9 m/s².
+// Defaults are typical of cranes in service, from makers' data sheets: trolleys run at 2.5 to 4 m/s with 0.6 to 0.8
+// m/s², loads are hoisted at 1.0 to 1.33 m/s with 0.5 to 0.9 m/s².
 struct QuaysideCrane {
   double trolley_position = 0;  // y of the trolley in the world [m]
   double trolley_height = 0;    // of the upper sheaves above the ground [m]
@@ -49,13 +49,13 @@ struct QuaysideCrane {
 //   bodies   "trolley" on its driven slider, "spreader", and the load, locked by the lock "twistlocks"
 //   drives   "trolley" (y of the trolley), "hoist" (rest length of the ropes; a positive speed lifts)
 //   command  "twistlocks" (true: closed), where there is a load
-//   switch   "landed": contacts push the spreader and its load up by more than half the weight of the load (of the spreader,
-//            where there is none)
+//   switch   "landed": contacts push the spreader and its load up by more than half the weight of the load (of the
+//            spreader, where there is none)
 //   frames   "trolley" (middle of its sheaves), "spreader" (centre of its bottom face), the load's bottom
 //
 // The start is at rest in static equilibrium: the ropes are stretched by the weight and hang as steep as it pulls them,
-// the twistlocks are stretched by the load, which so leaves a gap of just that stretch under the spreader, and no contact
-// there. A load whose centre of gravity is off its middle starts level all the same, and so will tilt.
+// the twistlocks are stretched by the load, which so leaves a gap of just that stretch under the spreader, and no
+// contact there. A load whose centre of gravity is off its middle starts level all the same, and so will tilt.
 void add_quayside_crane(const QuaysideCrane& crane, Scene& scene);
 
 // Distance between the sheave rectangles at that start [m].

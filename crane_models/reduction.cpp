@@ -16,8 +16,8 @@ constexpr double kSameVelocity = 1e-12;
 
 using Entries = std::vector<ReductionReport::Entry>;
 
-// Drives that the script never moves hold still: their joints are fixed where they start, their ropes keep their length.
-// The drives themselves stay listed, so that a script may still name them.
+// Drives that the script never moves hold still: their joints are fixed where they start, their ropes keep their
+// length. The drives themselves stay listed, so that a script may still name them.
 void freeze_unused_drives(const std::vector<bool>& used, Scene& scene, Entries& entries) {
   for (std::size_t i = 0; i < scene.drives.size(); ++i) {
     if (used[i]) continue;
@@ -53,7 +53,7 @@ bool moves_alike(const Body& a, const Body& b) {
   return (b.v_WB - v_WB_of_a).norm() <= kSameVelocity && (b.w_WB - a.w_WB).norm() <= kSameVelocity;
 }
 
-// Where X_AB is the pose of a body that is to become part of another, A.
+// Makes one body part of another, A, where it stands at the start.
 void merge(int absorbed, int absorber, Scene& scene) {
   Body& a = scene.bodies[absorber];
   const Body b = scene.bodies[absorbed];
@@ -164,8 +164,8 @@ void settle_constant_locks(const std::vector<bool>& commands_used, Scene& scene,
 
 }  // namespace
 
-// In this order: what a drive holds still may become static, what a lock joins to that as well, and pairs between static
-// bodies then push nothing.
+// In this order: what a drive holds still may become static, what a lock joins to that as well, and pairs between
+// static bodies then push nothing.
 Scene reduce(const Scene& full, const ScriptUse& use, ReductionReport& report) {
   assert(use.drives_used.size() == full.drives.size() && use.commands_used.size() == full.commands.size());
   Scene scene = full;

@@ -34,7 +34,8 @@ bool is_pose(const Pose& X) {
 void check_inertia(const Eigen::Matrix3d& I, const std::string& what) {
   require(I.allFinite(), what, "the inertia is not finite");
   require((I - I.transpose()).norm() <= kRounding * I.norm(), what, "the inertia is not symmetric");
-  const Eigen::Vector3d moments = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(I, Eigen::EigenvaluesOnly).eigenvalues();
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> principal(I, Eigen::EigenvaluesOnly);
+  const Eigen::Vector3d moments = principal.eigenvalues();
   require(moments[0] > 0, what, "the principal moments of inertia must be positive");
   require(moments[2] <= (moments[0] + moments[1]) * (1 + kRounding), what,
           "no mass distribution has these moments of inertia: the largest exceeds the sum of the other two");
@@ -147,7 +148,8 @@ class Checker {
       return is_body(body) && box >= 0 && box < size(scene_.bodies[body].boxes);
     };
     if (!is_box(pair.body_a, pair.box_a) || !is_box(pair.body_b, pair.box_b)) {
-      refuse(fmt::format("contact pair of bodies {} and {}", pair.body_a, pair.body_b), "its boxes are not in the scene");
+      refuse(fmt::format("contact pair of bodies {} and {}", pair.body_a, pair.body_b),
+             "its boxes are not in the scene");
     }
     require(pair.body_a != pair.body_b, "contact pair of body " + scene_.bodies[pair.body_a].name, "it meets itself");
   }

@@ -1,8 +1,8 @@
 // The Scene: everything an engine has to build, as plain data, and nothing that belongs to one engine.
 //
 // World frame W: x along the quay, y along the boom towards the water, z up. B is the frame of a body, with its
-// origin wherever its maker finds handy; its centre of mass is at p_BBcm. Indices refer to the vectors of Scene; parents
-// stand before their children. SI units, radians.
+// origin wherever its maker finds handy; its centre of mass is at p_BBcm. Indices refer to the vectors of Scene;
+// parents stand before their children. SI units, radians.
 #pragma once
 
 #include <string>
@@ -23,16 +23,16 @@ constexpr int kWorld = -1;
 struct CollisionBox {
   Eigen::Vector3d half;  // half extents [m]
   Pose X_BG = Pose::Identity();
-  // Under which contacts are reported; empty: the body's name. Keeps the load's name when the load becomes one body with
-  // its spreader.
+  // Under which contacts are reported; empty: the body's name. Keeps the load's name when the load becomes one body
+  // with its spreader.
   std::string name = {};
 };
 
 enum class JointType { fixed, slider, hinge, pivot, free };
 
-// How a body moves against its parent: frame F on the parent P and M on the body B coincide at coordinate zero. A slider
-// moves along F's x axis [m], a hinge turns about F's z axis [rad], a pivot turns in all directions, a free joint does
-// not hold at all.
+// How a body moves against its parent: frame F on the parent P and M on the body B coincide at coordinate zero. A
+// slider moves along F's x axis [m], a hinge turns about F's z axis [rad], a pivot turns in all directions, a free
+// joint does not hold at all.
 struct Joint {
   JointType type = JointType::free;
   int parent = kWorld;
@@ -65,7 +65,7 @@ struct Drive {
   std::string unit;      // of the value: "m" or "rad"
   std::string meaning;
   double start = 0;      // value at the start
-  double sign = 1;       // a positive speed command changes the value by `sign` × speed (hoisting shortens the ropes: −1)
+  double sign = 1;       // a positive speed command changes the value by `sign` × speed (hoisting shortens ropes: −1)
   double max_speed = 0;         // [unit/s]
   double max_acceleration = 0;  // [unit/s²]
 };

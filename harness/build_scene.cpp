@@ -103,7 +103,8 @@ void add_crane(const cases::Case& description, Scene& scene) {
   const Vector3d& g = scene.gravity;
   if (g.x() != 0 || g.y() != 0 || g.z() >= 0) {
     refuse(description, "gravity",
-           fmt::format("[{}, {}, {}] does not hang a load on a crane, expected [0, 0, g] with g < 0", g.x(), g.y(), g.z()));
+           fmt::format("[{}, {}, {}] does not hang a load on a crane, expected [0, 0, g] with g < 0", g.x(), g.y(),
+                       g.z()));
   }
   const crane_models::QuaysideCrane crane = quayside_crane(description);
   check_hanging(description, crane, scene);

@@ -8,8 +8,8 @@
 
 namespace quayside::harness {
 
-// Throws cases::CaseError for what only shows when everything is placed: bodies that overlap without `allow_overlap`, a load
-// that starts in the ground, ropes too short for the trolley's height.
+// Throws cases::CaseError for what only shows when everything is placed: bodies that overlap without `allow_overlap`, a
+// load that starts in the ground, ropes too short for the trolley's height.
 crane_models::Scene build_scene(const cases::Case& description);
 
 contact_nn::ContactSettings contact_settings(const cases::ContactSpec& spec);

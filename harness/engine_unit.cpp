@@ -19,7 +19,8 @@ class VariableList {
   void flag(std::string name, std::string description) {
     list_.push_back({std::move(name), "", Causality::output, Type::boolean, std::move(description), 0});
   }
-  void outputs(const std::string& name, const char* components, const std::string& unit, const std::string& description) {
+  void outputs(const std::string& name, const char* components, const std::string& unit,
+               const std::string& description) {
     for (const char* c = components; *c; ++c) output(name + "." + *c, unit, description);
   }
   std::vector<Variable> take() { return std::move(list_); }
@@ -58,7 +59,8 @@ std::vector<Variable> engine_variables(const crane_models::Scene& scene) {
     list.outputs(frame.name + ".position", "xyz", "m", "position of " + frame.name + " in the world");
     list.outputs(frame.name + ".orientation", "wxyz", "1", "quaternion from " + frame.name + " to the world");
     list.outputs(frame.name + ".velocity", "xyz", "m/s", "velocity of " + frame.name + " in the world");
-    list.outputs(frame.name + ".angular_velocity", "xyz", "rad/s", "angular velocity of " + frame.name + " in the world");
+    list.outputs(frame.name + ".angular_velocity", "xyz", "rad/s",
+                 "angular velocity of " + frame.name + " in the world");
     list.output(frame.name + ".tilt", "rad", "angle between the z axes of " + frame.name + " and the world");
   }
   for (const auto& rope : scene.ropes) {

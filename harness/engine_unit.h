@@ -33,7 +33,7 @@ struct EnergyLedger {
   double work_in = 0;      // by drives
   double dissipated = 0;   // ropes, locks (with what opening loses), contacts, joint damping
   double start = 0;        // kinetic + potential at the start
-  double largest_exchange = 0;  // the largest |kinetic − its start|, |potential − its start|, work_in, dissipated so far
+  double largest_exchange = 0;  // of |kinetic − its start|, |potential − its start|, work_in, dissipated so far
   double residual() const { return kinetic + potential - start - work_in + dissipated; }
 };
 

@@ -238,7 +238,8 @@ void SceneForces::indicators(const std::vector<BodyMotion>& bodies,
 }
 
 // Along the axis that separates two boxes most, held still in the world, their gap shrinks no faster than the fastest
-// point of the one moves towards the slowest of the other; and no penetration is deeper than the overlap along any axis.
+// point of the one moves towards the slowest of the other; and no penetration is deeper than the overlap along any
+// axis.
 double SceneForces::time_to_contact(const std::vector<BodyMotion>& bodies, double depth, double acceleration,
                                     const std::vector<char>& locks_closed) const {
   double shortest = std::numeric_limits<double>::infinity();

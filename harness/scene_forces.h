@@ -55,8 +55,8 @@ class SceneForces {
   double lock_energy(int lock, const std::vector<BodyMotion>& bodies) const;
 
   // Signed indicators whose sign changes are events: per rope the stretch (positive: taut), per pair minus the
-  // separation of the boxes (positive: touching; a lower bound of the distance where they are far apart), per landed switch the upward
-  // force over its threshold minus 1.
+  // separation of the boxes (positive: touching; a lower bound of the distance where they are far apart), per landed
+  // switch the upward force over its threshold minus 1.
   struct Indicators {
     std::vector<double> ropes, pairs, switches;
   };

@@ -18,8 +18,8 @@ struct ContainerData {
 
 const ContainerData& container_data(ContainerSize size);
 
-// The centres of the four top (or bottom) apertures, from the middle of that face: where twistlocks engage. In the order
-// +x+y, −x+y, −x−y, +x−y [m].
+// The centres of the four top (or bottom) apertures, from the middle of that face: where twistlocks engage. In the
+// order +x+y, −x+y, −x−y, +x−y [m].
 std::array<Eigen::Vector3d, 4> aperture_centres(ContainerSize size);
 
 }  // namespace quayside::spreader

@@ -34,8 +34,8 @@ std::array<Rope, 4> reeve(const SheaveRectangle& upper, const SheaveRectangle& l
   return ropes;
 }
 
-// The vertical force 4 T h/l with l² = h² + d², d the horizontal way of a rope, grows with h from nothing where the ropes
-// become taut: the weight is met once, and halving finds it to the last bit.
+// The vertical force 4 T h/l with l² = h² + d², d the horizontal way of a rope, grows with h from nothing where the
+// ropes become taut: the weight is met once, and halving finds it to the last bit.
 double hanging_height(const Eigen::Vector2d& upper, const Eigen::Vector2d& lower, double axial_stiffness,
                       double rest_length, double weight) {
   assert(axial_stiffness > 0 && rest_length > 0 && weight >= 0);

@@ -17,8 +17,8 @@ struct SheaveRectangle {
   Eigen::Vector2d size = Eigen::Vector2d::Zero();  // along its x and y [m]
 };
 
-// Four ropes "rope.front_left", "rope.front_right", "rope.rear_left", "rope.rear_right" between corresponding corners, with
-// stiffness and the rest from `like`.
+// Four ropes "rope.front_left", "rope.front_right", "rope.rear_left", "rope.rear_right" between corresponding corners,
+// with stiffness and the rest from `like`.
 std::array<Rope, 4> reeve(const SheaveRectangle& upper, const SheaveRectangle& lower, const Rope& like);
 
 // How far below the upper rectangle a load of `weight` [N] hangs in static equilibrium when both rectangles are level,

@@ -25,8 +25,8 @@ struct Rope {
 };
 
 // Tension [N] and its energy balance for one rope: stretch x = l − L0 and rates.
-//   T = max(0, k x + c s(x) (l̇ − L̇0)) for x > 0, else 0, with k = EA/L0, c = damping_time · k and s a ramp from 0 to 1 over
-//   the first `kDampingRamp` of stretch, so that the tension is continuous when a slack rope catches.
+//   T = max(0, k x + c s(x) (l̇ − L̇0)) for x > 0, else 0, with k = EA/L0, c = damping_time · k and s a ramp from
+//   0 to 1 over the first `kDampingRamp` of stretch, so that the tension is continuous when a slack rope catches.
 struct RopeTension {
   double tension = 0;           // [N]
   double stretch = 0;           // l − L0; negative when slack [m]
@@ -39,8 +39,9 @@ struct RopeTension {
 // stretch under a load (centimetres), long against what an integrator resolves.
 inline constexpr double kDampingRamp = 2e-3;
 
-// `length` not negative [m], rates in [m/s]. A rest length that is not positive gives NaN throughout: a drive has hoisted
-// the rope away, and whoever integrates must notice.
-RopeTension rope_tension(const Rope& rope, double length, double length_rate, double rest_length, double rest_length_rate);
+// `length` not negative [m], rates in [m/s]. A rest length that is not positive gives NaN throughout: a drive has
+// hoisted the rope away, and whoever integrates must notice.
+RopeTension rope_tension(const Rope& rope, double length, double length_rate, double rest_length,
+                         double rest_length_rate);
 
 }  // namespace quayside::spreader

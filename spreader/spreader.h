@@ -9,9 +9,9 @@
 
 namespace quayside::spreader {
 
-// A telescopic spreader set to one container size. Single-lift spreaders weigh 8 to 10 t and their headblocks 2.5 to 4 t;
-// the outlines are typical proportions of such machines. The frame has the outline of the container, and collides; the
-// headblock stays within it and does not.
+// A telescopic spreader set to one container size. Single-lift spreaders weigh 8 to 10 t and their headblocks 2.5 to 4
+// t; the outlines are typical proportions of such machines. The frame has the outline of the container, and collides;
+// the headblock stays within it and does not.
 struct Spreader {
   ContainerSize container = ContainerSize::iso40;
   double mass = 12e3;                            // both together [kg]
@@ -36,8 +36,8 @@ struct Twistlocks {
   double damping_ratio = 0.05;
 };
 
-// The lock of `load_mass` [kg] under a spreader: pins at the apertures, in S and in the load's frame B, of which p_BT is the centre of the
-// top face, axes as in S. Bodies and command are for the caller to fill in.
+// The lock of `load_mass` [kg] under a spreader: pins at the apertures, in S and in the load's frame B, of which p_BT
+// is the centre of the top face, axes as in S. Bodies and command are for the caller to fill in.
 Lock twistlock_lock(const Twistlocks& twistlocks, ContainerSize container, double load_mass,
                     const Eigen::Vector3d& p_BT);
 

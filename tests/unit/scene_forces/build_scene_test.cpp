@@ -1,5 +1,7 @@
 #include "harness/build_scene.h"
 
+#include <filesystem>
+
 #include <gtest/gtest.h>
 
 namespace quayside::harness {
@@ -153,6 +155,18 @@ TEST(BuildScene, RefusesACentreOfGravityOutsideTheBox) {
   Case description = landing();
   description.containers[0].centre_of_gravity = {0, 1.3, 0};
   expect_refused(description, {"containers.load.centre_of_gravity", "1.219"});
+}
+
+TEST(BuildScene, EveryShippedCaseIsAScene) {
+  int count = 0;
+  for (const auto& entry : std::filesystem::directory_iterator("cases")) {
+    if (entry.path().extension() != ".yaml") continue;
+    SCOPED_TRACE(entry.path().string());
+    const Scene scene = build_scene(cases::load_case(entry.path()));
+    EXPECT_GT(degrees_of_freedom(scene), 0);
+    ++count;
+  }
+  EXPECT_GE(count, 3);
 }
 
 TEST(BuildScene, OverridesOfTheMachineReachTheScene) {

@@ -76,8 +76,8 @@ TEST(CraneStart, IsAnEquilibrium) {
 }
 
 TEST(CraneStart, TurnsBackAsAQuadrifilarPendulum) {
-  // T = 2π √(I h / (m g (x_t x_b + y_t y_b))) holds for similar rectangles: against a small yaw φ the slanted ropes turn
-  // back with m g (x_t x_b + y_t y_b) φ / h. Ours are not similar: each rope pulls with a moment of T/l times
+  // T = 2π √(I h / (m g (x_t x_b + y_t y_b))) holds for similar rectangles: against a small yaw φ the slanted ropes
+  // turn back with m g (x_t x_b + y_t y_b) φ / h. Ours are not similar: each rope pulls with a moment of T/l times
   // ± c = ± (x_b y_t − y_b x_t), which cancel until the yaw stretches two ropes by c φ / l and relieves the others.
   // With d(T/l)/dl = k L0/l² that adds 4 k L0 c² φ / l³. What is left is of order φ², 1e-8.
   const Scene scene = skewed_crane();

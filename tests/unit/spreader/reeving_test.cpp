@@ -25,7 +25,8 @@ TEST(Reeving, SlantedRopesCarryTheWeight) {
 }
 
 TEST(Reeving, RopesTooShortToReachAreStretchedFlat) {
-  // Half diagonals 3 m apart, ropes of 1 m: they carry a small weight nearly level, stretched to three times their length.
+  // Half diagonals 3 m apart, ropes of 1 m: they carry a small weight nearly level, stretched to three times their
+  // length.
   const double h = hanging_height({6, 0}, {0, 0}, 1e6, 1, 4000);
   EXPECT_NEAR(h, 4000 * 3 / (4 * 1e6 * 2), 1e-6);  // W l / (4 k (l − L0))
 }
