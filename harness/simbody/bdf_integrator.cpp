@@ -162,6 +162,10 @@ void BdfIntegrator::restart(double t, const double* y, const double* z, int max_
   s.time_is_valid = true;
 }
 
+void BdfIntegrator::watch_stability(bool watch) {
+  solver_->demand(CVodeSetStabLimDet(solver_->cvodes, watch), "CVodeSetStabLimDet");
+}
+
 double BdfIntegrator::step(double stop) {
   Solver& s = *solver_;
   assert(stop > s.time);

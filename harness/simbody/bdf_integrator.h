@@ -37,6 +37,10 @@ class BdfIntegrator {
   // Drops the history: the next step starts at order one from here. Steps depend on nothing that happened before.
   void restart(double t, const double* y, const double* z, int max_order);
 
+  // Whether to look out for the ringing of orders three to five, which are unstable for stiff undamped oscillations, and lower
+  // the order where it shows (CVODES' stability limit detection). Costs a little accuracy in smooth motion.
+  void watch_stability(bool watch);
+
   // One internal step, not beyond `stop` (which is after `time()`). Returns the new time. After IntegrationFailed time and
   // history are those of the last good step.
   double step(double stop);
