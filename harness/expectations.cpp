@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "harness/compare.h"
+#include "harness/names.h"
 #include "harness/terminal.h"
 
 namespace quayside::harness {
@@ -200,14 +201,16 @@ std::vector<ExpectationResult> evaluate_expectations(const RunResult& run) {
 void check_expectations(const cases::Case& description, const std::vector<std::string>& signals) {
   Recording names_only;
   names_only.names = signals;
-  for (const Expectation& expected : description.expectations) {
+  for (std::size_t i = 0; i < description.expectations.size(); ++i) {
+    const Expectation& expected = description.expectations[i];
     if (expected.kind == Expectation::Kind::event) continue;
     try {
       names_only.indices(expected.signal);
-    } catch (const std::out_of_range& error) {
+    } catch (const std::out_of_range&) {
       const std::string file = description.file.string();
-      throw cases::CaseError(fmt::format("{}:{}: expect.signal: {} ('quayside signals {}' lists them all)", file,
-                                         expected.line, error.what(), file));
+      throw cases::CaseError(fmt::format("{}:{}: expect.{}.signal: found '{}', expected a signal of this run ({}; 'quayside "
+                                         "signals {}' lists all)",
+                                         file, expected.line, i, expected.signal, nearest_names(expected.signal, signals), file));
     }
   }
 }

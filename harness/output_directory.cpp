@@ -73,7 +73,8 @@ std::vector<std::string> write_output(const fs::path& directory, const Evaluated
 
 StoredRun read_run(const fs::path& path) {
   StoredRun run;
-  if (!fs::exists(path)) fail(path, "does not exist; expected the directory of a run or a CSV file");
+  std::error_code error;
+  if (!fs::exists(path, error)) fail(path, "does not exist, expected the directory of a run or a CSV file");
   if (!fs::is_directory(path)) {
     run.trajectories[""] = read_csv(path);
     return run;
@@ -82,7 +83,7 @@ StoredRun read_run(const fs::path& path) {
     const std::string engine = engine_of(entry.path());
     if (!engine.empty()) run.trajectories[engine] = read_csv(entry.path());
   }
-  if (run.trajectories.empty()) fail(path, "holds no trajectory_<engine>.csv; expected the directory of a run");
+  if (run.trajectories.empty()) fail(path, "holds no trajectory_<engine>.csv, expected the directory of a run");
   if (fs::exists(path / kEvents)) {
     for (const auto& [engine, trajectory] : run.trajectories) run.events[engine];  // an engine without events has no rows
     for (EngineEvents& engine : read_events_csv(path / kEvents)) run.events[engine.engine] = std::move(engine.record);

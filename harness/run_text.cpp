@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <set>
+#include <sstream>
 
 #include <fmt/format.h>
 
@@ -71,7 +71,7 @@ std::string engines_text(const RunResult& run, const Style& style) {
   return heading("Engines", style) + table.text("  ") + notes;
 }
 
-// Position and orientation of the frames that can move, those farthest apart first.
+// Position and orientation of the frames that can move freely, those farthest apart first.
 std::vector<SignalDifference> main_differences(const RunResult& run, const TrajectoryComparison& comparison,
                                                std::size_t& frames_left_out) {
   std::map<std::string, const SignalDifference*> by_name;
@@ -82,7 +82,9 @@ std::vector<SignalDifference> main_differences(const RunResult& run, const Traje
   };
   std::vector<Frame> frames;
   for (const auto& frame : run.scene.frames) {
-    if (frame.body < 0 || run.scene.bodies[static_cast<std::size_t>(frame.body)].is_static()) continue;
+    if (frame.body < 0) continue;
+    const crane_models::Body& body = run.scene.bodies[static_cast<std::size_t>(frame.body)];
+    if (body.is_static() || body.joint.drive >= 0) continue;  // where it is was prescribed
     const auto position = by_name.find(frame.name + ".position"), orientation = by_name.find(frame.name + ".orientation");
     if (position != by_name.end() && orientation != by_name.end()) frames.push_back({position->second, orientation->second});
   }
@@ -173,12 +175,19 @@ std::string mark(Verdict verdict, const Style& style) {
 }  // namespace
 
 std::string expectations_text(const std::vector<ExpectationResult>& results, const Style& style) {
-  Table table({Align::left, Align::left, Align::left, Align::left});
+  Table table({Align::left, Align::left, Align::left});
+  std::vector<std::string> reasons;
   for (const ExpectationResult& result : results) {
-    const std::string finding = result.verdict == Verdict::not_checked ? "not checked: " + result.finding : result.finding;
-    table.add({mark(result.verdict, style), result.text, finding, style.faint(result.why)});
+    table.add({mark(result.verdict, style), result.text,
+               result.verdict == Verdict::not_checked ? "not checked: " + result.finding : result.finding});
+    reasons.push_back(result.verdict == Verdict::failed && !result.why.empty() ? "       " + style.faint(result.why) + "\n" : "");
   }
-  return table.text("  ");
+  // The reasons that the case gives are long, and are read where something is wrong: on lines of their own, outside the columns.
+  std::string text;
+  std::istringstream lines(table.text("  "));
+  std::size_t row = 0;
+  for (std::string line; std::getline(lines, line); ++row) text += line + "\n" + reasons[row];
+  return text;
 }
 
 std::string differences_text(const std::vector<SignalDifference>& signals, const Style& style) {

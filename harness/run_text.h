@@ -11,7 +11,7 @@ namespace quayside::harness {
 
 std::string run_text(const EvaluatedRun& evaluated, const Style& style);
 
-// One line each: mark, what was expected, what was found, why.
+// One line each: mark, what was expected, what was found; and why it was expected, below those that failed.
 std::string expectations_text(const std::vector<ExpectationResult>& results, const Style& style);
 
 // One line per signal: rms, max and end of the distance.

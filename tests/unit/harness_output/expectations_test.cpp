@@ -205,7 +205,7 @@ TEST(CheckExpectations, RefusesSignalsThatARunWillNotHave) {
     FAIL() << "accepted";
   } catch (const cases::CaseError& error) {
     const std::string message = error.what();
-    EXPECT_EQ(message.rfind("cases/x.yaml:12: expect.signal: ", 0), 0u) << message;
+    EXPECT_EQ(message.rfind("cases/x.yaml:12: expect.2.signal: found 'load.position.q'", 0), 0u) << message;
     EXPECT_NE(message.find("load.position.x"), std::string::npos) << message;
   }
 }

@@ -1,0 +1,30 @@
+#include "harness/commands/interrupt.h"
+
+namespace quayside::harness {
+
+namespace {
+
+volatile std::sig_atomic_t received = 0;  // handlers can reach nothing but globals
+
+void remember(int signal) { received = signal; }
+
+}  // namespace
+
+Interrupt::Interrupt() {
+  received = 0;
+  struct sigaction action {};
+  action.sa_handler = remember;
+  action.sa_flags = SA_RESTART | static_cast<int>(SA_RESETHAND);  // the second one is taken the default way
+  sigemptyset(&action.sa_mask);
+  sigaction(SIGINT, &action, &previous_int_);
+  sigaction(SIGTERM, &action, &previous_term_);
+}
+
+Interrupt::~Interrupt() {
+  sigaction(SIGINT, &previous_int_, nullptr);
+  sigaction(SIGTERM, &previous_term_, nullptr);
+}
+
+int Interrupt::signal() { return received; }
+
+}  // namespace quayside::harness

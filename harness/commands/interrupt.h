@@ -1,0 +1,22 @@
+// Ctrl-C and SIGTERM as a wish that work can ask for, instead of sudden death. A second one is sudden.
+#pragma once
+
+#include <csignal>
+
+namespace quayside::harness {
+
+class Interrupt {
+ public:
+  Interrupt();
+  ~Interrupt();
+  Interrupt(const Interrupt&) = delete;
+  Interrupt& operator=(const Interrupt&) = delete;
+
+  // The signal that came, or 0.
+  static int signal();
+
+ private:
+  struct sigaction previous_int_ {}, previous_term_ {};
+};
+
+}  // namespace quayside::harness

@@ -1,0 +1,84 @@
+// The command line: quayside COMMAND ...
+#include <cstdio>
+#include <stdexcept>
+#include <string>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "cases/case.h"
+#include "contact_nn/contact_command.h"
+#include "harness/commands/commands.h"
+#include "harness/versions.h"
+
+namespace {
+
+using namespace quayside;
+
+// What the user typed, quoted where a shell would need it.
+std::string command_line(int argc, char** argv) {
+  std::string line = "quayside";
+  for (int i = 1; i < argc; ++i) {
+    const std::string argument = argv[i];
+    const bool plain = !argument.empty() && argument.find_first_of(" \t\n'\"\\$&|;<>()*?[]{}`#~!") == std::string::npos;
+    std::string quoted;
+    for (const char c : argument) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+    line += plain ? " " + argument : " '" + quoted + "'";
+  }
+  return line;
+}
+
+int complain(const std::string& message, int exit_code) {
+  fmt::print(stderr, "quayside: {}\n", message);
+  return exit_code;
+}
+
+std::string version_text() {
+  std::string text;
+  for (const auto& [name, version] : harness::versions()) text += fmt::format("{} {}\n", name, version);
+  text.pop_back();
+  return text;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app{"Simulates the handling of containers by harbour cranes, side by side in Simbody and MuJoCo.", "quayside"};
+  app.require_subcommand(1);
+  app.set_version_flag("--version", version_text(), "What this was built from");
+  app.footer(
+      "Examples:\n"
+      "  quayside run cases/land_on_stack.yaml        the main job: simulate, compare, check\n"
+      "  quayside signals cases/land_on_stack.yaml    what can be recorded, expected and compared\n"
+      "  quayside validate cases                      all expectations of all cases\n"
+      "  quayside compare runs/before runs/after      how far two runs are apart\n\n"
+      "'quayside COMMAND --help' tells more.");
+
+  const std::string command = command_line(argc, argv);
+  try {
+    harness::add_run_command(app, command);
+    harness::add_validate_command(app, command);
+    harness::add_signals_command(app);
+    harness::add_compare_command(app);
+    contact_nn::add_contact_commands(app);
+    app.parse(argc, argv);
+    return 0;
+  } catch (const CLI::RuntimeError& error) {  // thrown by commands, which have said what there is to say
+    return error.get_exit_code();
+  } catch (const CLI::Success& request) {  // --help, --version
+    return app.exit(request);
+  } catch (const CLI::ParseError& error) {
+    const auto chosen = app.get_subcommands();
+    const std::string help = chosen.empty() ? "quayside --help" : "quayside " + chosen.front()->get_name() + " --help";
+    return complain(fmt::format("{} (see '{}')", error.what(), help), harness::input_refused);
+  } catch (const cases::CaseError& error) {
+    return complain(error.what(), harness::input_refused);
+  } catch (const std::invalid_argument& error) {
+    return complain(error.what(), harness::input_refused);
+  } catch (const std::runtime_error& error) {
+    return complain(error.what(), harness::input_refused);
+  } catch (const std::exception& error) {
+    return complain(fmt::format("this should not happen: {}; please report it with the command '{}'", error.what(), command),
+                    harness::not_completed);
+  }
+}
