@@ -39,14 +39,14 @@ void add_body(crane_models::Scene& scene, const crane_models::Body& body) {
   scene.frames.push_back({body.name, index});
 }
 
-void hang_container(crane_models::Scene& scene, const Hoist& hoist) {
+double hang_container(crane_models::Scene& scene, const Hoist& hoist) {
   const Eigen::Vector3d half = 0.5 * kContainerSize;
-  add_body(scene, free_box("load", kContainerMass, kContainerSize, at(0, 0, -hoist.length - half.z())));
+  add_body(scene, free_box("load", hoist.mass, kContainerSize, at(0, 0, -hoist.length - half.z())));
   const int load = static_cast<int>(scene.bodies.size()) - 1;
-  const double stretch = kContainerMass * kGravity / hoist.stiffness;
+  const double stretch = hoist.mass * kGravity / hoist.stiffness;
   const double rest_length = hoist.length - stretch;
-  for (const double x : {-2.5, 2.5}) {
-    for (const double y : {-0.8, 0.8}) {
+  for (const double x : {-hoist.half_x, hoist.half_x}) {
+    for (const double y : {-hoist.half_y, hoist.half_y}) {
       spreader::Rope rope;
       rope.name = "rope" + std::to_string(scene.ropes.size());
       rope.upper = {hoist.upper, {x, y, 0}};
@@ -62,6 +62,7 @@ void hang_container(crane_models::Scene& scene, const Hoist& hoist) {
       scene.ropes.push_back(rope);
     }
   }
+  return rest_length;
 }
 
 Simulation::Simulation(const crane_models::Scene& scene, const contact_nn::ContactSettings& contact,

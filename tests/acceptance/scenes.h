@@ -30,16 +30,19 @@ crane_models::Body ground();
 // Appends a body, a frame of the same name at its origin, and contact pairs with all bodies so far that have boxes.
 void add_body(crane_models::Scene& scene, const crane_models::Body& body);
 
-// A uniform 40 ft container on four parallel vertical ropes from the world or from the body `upper`; rest length such that the stretched
-// ropes are `length` long. With `drive` ≥ 0 that is the start of the drive instead of the rest length.
+// A uniform container on four parallel vertical ropes, from points at z = 0 of the world or of the body `upper`. At rest the
+// stretched ropes are `length` long. With a `drive` its value is the rest length.
 struct Hoist {
   double length = 25;      // [m]
+  double half_x = 2.5, half_y = 0.8;  // half the rectangle of the ropes, above and below alike [m]
   double stiffness = 0;    // of all four ropes together, EA / L0 [N/m]
   double damping_time = 0;
+  double mass = kContainerMass;
   int upper = crane_models::kWorld;
   int drive = -1;
 };
-void hang_container(crane_models::Scene& scene, const Hoist& hoist);
+// The body is called "load", the ropes "rope0" to "rope3". Returns the rest length [m].
+double hang_container(crane_models::Scene& scene, const Hoist& hoist);
 
 // An engine, ready to step, on a scene.
 class Simulation {
