@@ -2,6 +2,7 @@
 
 #include <stdexcept>
 
+#include "contact_nn/committee.h"
 #include "contact_nn/exact_module.h"
 
 namespace quayside::contact_nn {
@@ -9,9 +10,9 @@ namespace quayside::contact_nn {
 std::unique_ptr<ContactModule> make_contact_module(const ContactSettings& settings) {
   switch (settings.model) {
     case Model::exact: return make_exact_module(settings);
-    case Model::committee: break;
+    case Model::committee: return make_committee_module(settings);
   }
-  throw std::runtime_error("contact.model committee is not available: use exact");
+  throw std::invalid_argument("contact.model is not one of the known models");
 }
 
 }  // namespace quayside::contact_nn

@@ -1,0 +1,28 @@
+// The committee: a gate network says where to look, closed form evaluates there, a check proves that nothing was missed.
+// It is the paper's section VII completed: a classifier first, then the expert for the class.
+//
+// `potential`: boxes that some axis separates need no network: no force. Otherwise the gate names the faces and cells
+// that may carry force. Every other piece must be shown to be empty from the ranges of its distances, else the answer is
+// the exact law's and is counted in `fallbacks`. Pieces left out are empty in the exact law as well and the rest is
+// summed in the same order: both models agree to the last bit, whatever the weights of the gate.
+//
+// `points`: the gate ranks the 15 separating axes and the first three are evaluated. A missed axis would make boxes touch
+// that do not, or touch too deeply; so the unnamed axes must be shown not to beat the best, which takes neither roots nor
+// divisions, else the whole test is made and counted in `fallbacks`. `query` works like this under either law.
+#pragma once
+
+#include <memory>
+
+#include "contact_nn/contact.h"
+#include "contact_nn/onnx_file.h"
+
+namespace quayside::contact_nn {
+
+// Throws std::invalid_argument for values out of range, std::runtime_error for a network file that cannot be used.
+// `settings.network` replaces the gate of `settings.law`.
+std::unique_ptr<ContactModule> make_committee_module(const ContactSettings& settings);
+
+// The gate that ships with the module, for one law.
+NetworkFile shipped_gate(Law law);
+
+}  // namespace quayside::contact_nn

@@ -1,0 +1,11 @@
+// The network files that are part of the library, put there when it is built (embed_networks.cmake).
+#pragma once
+
+#include <string_view>
+
+namespace quayside::contact_nn {
+
+std::string_view embedded_gate_potential();
+std::string_view embedded_gate_points();
+
+}  // namespace quayside::contact_nn
