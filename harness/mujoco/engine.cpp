@@ -18,6 +18,9 @@ using crane_models::DriveMotion;
 // Inputs of a drive that differ by less from its present motion do not change it [m or rad, and per second].
 constexpr double kSameMotion = 1e-9;
 
+// A box this far inside another, as a fraction of the smaller of their half extents, would come out on the far side.
+constexpr double kAlarmingDepth = 0.5;
+
 constexpr double kLargestRelativeTolerance = 1e-2;
 
 SolverSettings checked(const SolverSettings& solver) {
@@ -308,7 +311,6 @@ void Engine::keep(Point& point) const {
   point.qpos.assign(d->qpos, d->qpos + m->nq);
   point.qvel.assign(d->qvel, d->qvel + m->nv);
   point.qacc.assign(d->qacc, d->qacc + m->nv);
-  point.warmstart.assign(d->qacc_warmstart, d->qacc_warmstart + m->nv);
   point.integrals = integrals_;
   point.rates = rates_;
   point.reactions = reactions_;
@@ -320,7 +322,6 @@ void Engine::rewind(const Point& point) {
   std::copy(point.qpos.begin(), point.qpos.end(), d->qpos);
   std::copy(point.qvel.begin(), point.qvel.end(), d->qvel);
   std::copy(point.qacc.begin(), point.qacc.end(), d->qacc);
-  std::copy(point.warmstart.begin(), point.warmstart.end(), d->qacc_warmstart);
   integrals_ = point.integrals;
   rates_ = point.rates;
   reactions_ = point.reactions;
@@ -363,6 +364,19 @@ void Engine::advance_to(Time time) {
   }
 }
 
+void Engine::check_depths() const {
+  for (std::size_t i = 0; i < scene_.pairs.size(); ++i) {
+    const auto& pair = scene_.pairs[i];
+    const double thickness = std::min(scene_.bodies[pair.body_a].boxes[pair.box_a].half.minCoeff(),
+                                      scene_.bodies[pair.body_b].boxes[pair.box_b].half.minCoeff());
+    if (end_.indicators.pairs[i] <= kAlarmingDepth * thickness) continue;
+    throw MujocoError(fmt::format("{} passed through {}: {:.3g} m deep. Lower the speed or raise contact.stiffness",
+                                  crane_models::contact_name(scene_, pair.body_b, pair.box_b),
+                                  crane_models::contact_name(scene_, pair.body_a, pair.box_a),
+                                  end_.indicators.pairs[i]));
+  }
+}
+
 // What is left to `end` in equal parts that the limit allows.
 Time Engine::next_step(Time end) const {
   const Time left = end - time_;
@@ -387,6 +401,7 @@ StepResult Engine::do_step(Time now, Time step) {
       const Time aim = time_ + next_step(end);
       advance_to(aim);
       fill(end_);
+      check_depths();
       ++statistics_.steps;
       const auto flip = monitor_.advance(begin_, end_, sample_at_);
       const Time reached = flip ? std::clamp(*flip, point_.time, aim) : aim;
@@ -395,6 +410,7 @@ StepResult Engine::do_step(Time now, Time step) {
         advance_to(reached);
         fill(end_);
       }
+      accept_step();
       std::swap(begin_, end_);
       update_ledger();
       if (flip) {
@@ -403,7 +419,7 @@ StepResult Engine::do_step(Time now, Time step) {
       }
     }
     publish();
-  } catch (const MujocoError& e) {
+  } catch (const std::runtime_error& e) {
     recover();
     throw StepFailed(name_, time_, e.what());
   }
@@ -418,7 +434,7 @@ void Engine::recover() {
     evaluate();
     fill(begin_);
     publish();
-  } catch (const MujocoError&) {
+  } catch (const std::runtime_error&) {
     // The state is good but its accelerations are not: the failure that is being reported.
     mj_resetData(model_.model(), model_.data());
     rewind(point_);
@@ -442,7 +458,6 @@ UnitState Engine::save() {
   for (const char closed : locks_closed_) out.put(closed);
   out.put(d->qpos, m->nq);
   out.put(d->qvel, m->nv);
-  out.put(d->qacc_warmstart, m->nv);
   out.put(integrals_.data(), integrals_.size());
   for (const double e : {start_kinetic_, start_potential_, ledger_.largest_exchange}) out.put(e);
   monitor_.save(out);
@@ -462,10 +477,8 @@ void Engine::restore(const UnitState& state) {
     for (double* x : {&input.motion.value, &input.motion.rate, &input.motion.acceleration}) in.get(*x);
   }
   for (char& closed : locks_closed_) in.get(closed);
-  mj_resetData(m, d);
   in.get(d->qpos, m->nq);
   in.get(d->qvel, m->nv);
-  in.get(d->qacc_warmstart, m->nv);
   in.get(integrals_.data(), integrals_.size());
   for (double* e : {&start_kinetic_, &start_potential_, &ledger_.largest_exchange}) in.get(*e);
   ledger_.start = start_kinetic_ + start_potential_;

@@ -48,6 +48,8 @@ class Engine : public EngineUnit {
   virtual void read_loads() {}
   // After the stages of a step of `h` seconds and the evaluation at its end: adds ∫ rates dt to `integrals_`.
   virtual void integrate(double h, const std::vector<double>& rates_at_begin) = 0;
+  // A step is done and stays.
+  virtual void accept_step() {}
   virtual PassiveLaw* law() { return nullptr; }
 
   // Motion of a drive `after` seconds from `time_`.
@@ -84,7 +86,7 @@ class Engine : public EngineUnit {
   // What a step starts from, so that it can be taken again.
   struct Point {
     Time time = 0;
-    std::vector<double> qpos, qvel, qacc, warmstart, integrals, rates, reactions;
+    std::vector<double> qpos, qvel, qacc, integrals, rates, reactions;
   };
 
   void demand(Mode mode, const char* what) const;
@@ -100,6 +102,7 @@ class Engine : public EngineUnit {
   void advance(Time step);
   void advance_to(Time time);
   Time next_step(Time end) const;
+  void check_depths() const;
   void fill(EventMonitor::Sample& sample) const;
   void update_ledger();
   void publish();

@@ -30,7 +30,7 @@ constexpr double kPlaneRatio = 1.5;
 constexpr double kLevel = 1e-9;  // largest tilt of such a box [rad]
 
 // Most points that MuJoCo's colliders give for one pair.
-constexpr int kMostBoxPoints = 8, kMostPlanePoints = 4;
+constexpr int kMostBoxPoints = 16, kMostPlanePoints = 4;
 constexpr int kPointRows = 3;  // normal and two friction directions
 constexpr int kSpareRows = 16;
 
@@ -113,8 +113,9 @@ class Writer {
     set(option, "impratio", text(options_.impratio));
     option->SetAttribute("tolerance", "1e-14");
     option->SetAttribute("iterations", "50");
+    XMLElement* flag = option->InsertNewChildElement("flag");
+    flag->SetAttribute("warmstart", "disable");  // so that accelerations depend on the state alone
     if (!options_.native) {
-      XMLElement* flag = option->InsertNewChildElement("flag");
       flag->SetAttribute("contact", "disable");
       flag->SetAttribute("constraint", "disable");
     }

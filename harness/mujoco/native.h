@@ -1,0 +1,52 @@
+// MuJoCo as an independent model: its own tendons, equality constraints and contacts.
+#pragma once
+
+#include "harness/mujoco/engine.h"
+#include "harness/mujoco/mjcf.h"
+
+namespace quayside::harness::mujoco {
+
+// Parameters as of `native_options`. Rest lengths are set at the begin of each step and, for the other stages, at their
+// mean time. A tendon's damper does not know the rate of its limit; with the limit at L0 + damping_time · L̇0 the tension
+// K (l − limit) + C l̇ is K (l − L0) + C (l̇ − L̇0), as it should be.
+//
+// The energy ledger counts what is known of MuJoCo's forces: ropes by their true stretch; locks and contacts as springs
+// by their violation, and as dissipated what the rest of each force takes. It is summed by the trapezoidal rule; a
+// change in the number of contact points moves elastic energy without anyone's work and stays in the residual.
+class NativeEngine final : public Engine {
+ public:
+  NativeEngine(const crane_models::Scene& scene, const contact_nn::ContactSettings& contact,
+               const SolverSettings& solver);
+
+ private:
+  NativeEngine(const crane_models::Scene& scene, const contact_nn::ContactSettings& contact,
+               const SolverSettings& solver, const MjcfOptions& options);
+  void prepare_evaluation() override;
+  void prepare_stages(double h) override;
+  void read_loads() override;
+  void integrate(double h, const std::vector<double>& rates_at_begin) override;
+  void accept_step() override;
+
+  // A contact pair as MuJoCo has it.
+  struct Pair {
+    int geom_a, geom_b;
+    double reported_depth;  // see FlatContact
+  };
+  struct PairContact {
+    int pair;
+    double sign;  // of MuJoCo's normal, to point from a to b
+  };
+
+  void set_ropes(double after);
+  PairContact find_pair(const mjContact& contact) const;
+  void read_ropes();
+  void read_contacts();
+  void read_energy();
+
+  std::vector<int> tendons_;                // per rope
+  std::vector<std::vector<int>> equalities_;  // per lock and pin
+  std::vector<Pair> pairs_;
+  std::vector<int> pair_of_geoms_;          // geom × geom: index + 1 of the pair, negative when the other way round
+};
+
+}  // namespace quayside::harness::mujoco
