@@ -40,7 +40,7 @@ void add_fan(const Polygon& polygon, const Affine& depth, double unit, TriangleM
 void take_moments(const Pieces& pieces, std::array<Moments, kPieceCount>& moments) {
   TriangleMoments triangles;
   for (int k = 0; k < pieces.count; ++k) {
-    moments[k] = {};
+    moments[k] = Moments::zero();
     add_fan(pieces.piece[k].polygon, pieces.piece[k].depth, pieces.deepest, triangles, moments[k]);
   }
   triangles.flush();
@@ -70,7 +70,7 @@ Pressure damped_pressure(const Piece& piece, double unit, const Moments& w, doub
   Polygon pressed;
   clip(piece.polygon, factor, pressed);
   if (pressed.count == 0) return {0, 0, 0};
-  Moments part;
+  Moments part = Moments::zero();
   TriangleMoments triangles;
   add_fan(pressed, piece.depth, unit, triangles, part);
   triangles.flush();
@@ -162,8 +162,8 @@ ContactForce potential_force(const Box& a, const Box& b, const Pose& X_AB, const
     first[k_u] = piece.polygon.vertex[0].u;
     first[k_v] = piece.polygon.vertex[0].v;
 
-    const double weight = sigma * w.one;
-    const double mean_u = w.u / w.one, mean_v = w.v / w.one;
+    const double weight = sigma * w.one, inverse = 1 / w.one;
+    const double mean_u = w.u * inverse, mean_v = w.v * inverse;
     Vector3d centre = first;
     centre[k_u] += mean_u;
     centre[k_v] += mean_v;
@@ -188,7 +188,7 @@ ContactForce potential_force(const Box& a, const Box& b, const Pose& X_AB, const
 
     if (law.friction > 0) {
       const auto axis = side.axes.col(m);
-      const double r2 = std::max(0.0, (w.uu + w.vv) / w.one - mean_u * mean_u - mean_v * mean_v);
+      const double r2 = std::max(0.0, (w.uu + w.vv) * inverse - mean_u * mean_u - mean_v * mean_v);
       const Vector3d v_t = side.v + side.w.cross(centre) + push * approach.at(mean_u, mean_v) * axis;
       const double spin = side.spin[m], squared = v_t.squaredNorm() + r2 * spin * spin;
       const double factor = law.friction * N / std::sqrt(squared + law.transition_speed * law.transition_speed);

@@ -18,7 +18,7 @@ struct AxisSeparation {
   Eigen::Vector3d n_A;  // unit, from A to B
 };
 
-// The axis of largest separation. Ties go to the lower axis number, so faces before edges.
+// The axis of largest separation. Ties go to the lower axis number, and an edge pair must win by more than rounding.
 AxisSeparation largest_separation(const Box& a, const Box& b, const Pose& X_AB);
 
 // The best of the named axes only. `certified`: every unnamed axis was shown not to beat it, so the answer is that
