@@ -5,6 +5,7 @@
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "cases/case.h"
 #include "contact_nn/contact_command.h"
@@ -31,6 +32,25 @@ std::string command_line(int argc, char** argv) {
 int complain(const std::string& message, int exit_code) {
   fmt::print(stderr, "quayside: {}\n", message);
   return exit_code;
+}
+
+// What is wrong with the command line, and which help tells more. CLI11 says of a misspelt command that one is required.
+std::string complaint(const CLI::App& app, const CLI::ParseError& error) {
+  const CLI::App* command = &app;
+  std::string path = app.get_name();
+  while (!command->get_subcommands().empty()) {
+    command = command->get_subcommands().front();
+    path += " " + command->get_name();
+  }
+  std::string problem = error.what();
+  std::vector<std::string> expected;
+  for (const CLI::App* choice : command->get_subcommands([](const CLI::App*) { return true; })) expected.push_back(choice->get_name());
+  if (!expected.empty()) {
+    const auto words = command->remaining();
+    problem = words.empty() ? "no command" : fmt::format("unknown command '{}'", words.front());
+    problem += fmt::format(", expected one of: {}", fmt::join(expected, ", "));
+  }
+  return fmt::format("{} (see '{} --help')", problem, path);
 }
 
 std::string version_text() {
@@ -68,9 +88,7 @@ int main(int argc, char** argv) {
   } catch (const CLI::Success& request) {  // --help, --version
     return app.exit(request);
   } catch (const CLI::ParseError& error) {
-    const auto chosen = app.get_subcommands();
-    const std::string help = chosen.empty() ? "quayside --help" : "quayside " + chosen.front()->get_name() + " --help";
-    return complain(fmt::format("{} (see '{}')", error.what(), help), harness::input_refused);
+    return complain(complaint(app, error), harness::input_refused);
   } catch (const cases::CaseError& error) {
     return complain(error.what(), harness::input_refused);
   } catch (const std::invalid_argument& error) {

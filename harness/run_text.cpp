@@ -61,9 +61,7 @@ std::string engines_text(const RunResult& run, const Style& style) {
                std::to_string(work.steps), std::to_string(work.rhs_evaluations), std::to_string(work.contact.queries),
                work.contact.queries > 0 ? format_number(fallbacks, 2) + " %" : "-",
                exchanged > 0 ? format_number(std::abs(engine.energy.residual()) / exchanged, 2) : "-"});
-    if (engine.failure)
-      notes += fmt::format("  {} {} stopped at {}: {}\n", style.bad("✗"), engine.engine,
-                           format_quantity(engine.simulated_s, "s"), *engine.failure);
+    if (engine.failure) notes += fmt::format("  {} {}\n", style.bad("✗"), failure_text(engine));
     if (work.phantom_contacts > 0)
       notes += fmt::format("  {} reported {} outside the boxes' geometry\n", engine.engine,
                            counted(work.phantom_contacts, "contact", "contacts"));
@@ -128,8 +126,9 @@ std::string events_text(const RunResult& run, const Style& style) {
     std::vector<std::string> row{first.text};
     bool happened = false;
     for (const EngineRun& engine : run.engines) {
+      // What stands on something at the start touches it at once: not worth telling.
       const auto found = std::find_if(engine.events.begin(), engine.events.end(),
-                                      [&](const Event& event) { return event.kind == first.kind; });
+                                      [&](const Event& event) { return event.kind == first.kind && event.time > 0; });
       happened = happened || found != engine.events.end();
       row.push_back(found == engine.events.end() ? "-" : fmt::format("{:.4f} s", seconds(found->time)));
     }
@@ -173,6 +172,12 @@ std::string mark(Verdict verdict, const Style& style) {
 }
 
 }  // namespace
+
+std::string failure_text(const EngineRun& engine) {
+  // A step that failed names the engine already.
+  const bool named = engine.failure->compare(0, engine.engine.size(), engine.engine) == 0;
+  return named ? *engine.failure : engine.engine + ": " + *engine.failure;
+}
 
 std::string expectations_text(const std::vector<ExpectationResult>& results, const Style& style) {
   Table table({Align::left, Align::left, Align::left});

@@ -9,6 +9,9 @@
 
 namespace quayside::harness {
 
+// Which engine stopped, when and why. `engine` has failed.
+std::string failure_text(const EngineRun& engine);
+
 std::string run_text(const EvaluatedRun& evaluated, const Style& style);
 
 // One line each: mark, what was expected, what was found; and why it was expected, below those that failed.

@@ -1,6 +1,9 @@
 #include "harness/commands/case_options.h"
 
-#include <map>
+#include <algorithm>
+#include <stdexcept>
+
+#include <fmt/format.h>
 
 #include "harness/build_scene.h"
 #include "harness/drive_unit.h"
@@ -31,6 +34,9 @@ void CaseOptions::add_to(CLI::App& command) {
 }
 
 cases::Case CaseOptions::load(const std::filesystem::path& file) const {
+  for (const std::string& engine : engines)
+    if (std::count(engines.begin(), engines.end(), engine) > 1)
+      throw std::invalid_argument(fmt::format("--engine: {} is named twice, expected every engine once", engine));
   std::vector<std::string> all = overrides;
   if (!contact_model.empty()) all.push_back("contact.model=" + contact_model);
   if (!contact_law.empty()) all.push_back("contact.law=" + contact_law);

@@ -20,7 +20,8 @@ struct CaseOptions {
 
   void add_to(CLI::App& command);
 
-  // Throws cases::CaseError, also for expectations of signals that the run will not have.
+  // Throws cases::CaseError, also for expectations of signals that the run will not have; std::invalid_argument for an
+  // engine named twice.
   cases::Case load(const std::filesystem::path& file) const;
   RunOptions run_options() const;
 };

@@ -30,9 +30,9 @@ struct RunCommand {
 void RunCommand::execute() const {
   const cases::Case description = options.load(file);
   const fs::path directory = out.empty() ? fs::path("runs") / description.name : fs::path(out);
+  const Interrupt interrupt;  // from here on there is something to lose
   prepare_output_directory(directory);
 
-  const Interrupt interrupt;
   RunOptions run_options = options.run_options();
   run_options.real_time = real_time;
   EvaluatedRun evaluated;
@@ -66,8 +66,8 @@ void RunCommand::execute() const {
   }
   for (const EngineRun& engine : evaluated.run.engines)
     if (engine.failure)
-      fmt::print(stderr, "quayside: {}: {} stopped at {} s: {}; what was simulated up to then is in {}\n", file, engine.engine,
-                 format_number(engine.simulated_s), *engine.failure, directory.string());
+      fmt::print(stderr, "quayside: {}: {}; what was simulated up to then is in {}\n", file, failure_text(engine),
+                 directory.string());
   if (!evaluated.completed()) throw CLI::RuntimeError(not_completed);
   if (!evaluated.expectations_hold()) {
     std::size_t failed = 0;

@@ -116,8 +116,7 @@ int ValidateCommand::run_one(const fs::path& file, std::atomic<float>& progress,
     if (evaluated.run.interrupted) line += ", interrupted";
     tell(good ? style.good("✓") : style.bad("✗"), fmt::format("{} ({})", line, format_duration(took)));
     for (const EngineRun& engine : evaluated.run.engines)
-      if (engine.failure)
-        fmt::print(report, "    {} stopped at {}: {}\n", engine.engine, format_quantity(engine.simulated_s, "s"), *engine.failure);
+      if (engine.failure) fmt::print(report, "    {}\n", failure_text(engine));
     std::vector<ExpectationResult> failing;
     for (const ExpectationResult& result : evaluated.expectations)
       if (result.verdict == Verdict::failed) failing.push_back(result);

@@ -171,8 +171,8 @@ contact: {model: exact, stiffness: 1e3}
 TEST_F(CommandLine, AnInterruptedRunIsWritten) {
   for (const int signal : {SIGINT, SIGTERM}) {
     fs::remove_all(out_);
-    // In real time it would take an hour.
-    Program program({"run", box_, "--engine", "simbody", "--real-time", "--set", "duration=3600", "--out", out_.string()});
+    // In real time it would take a quarter of an hour.
+    Program program({"run", box_, "--engine", "simbody", "--real-time", "--set", "duration=1000", "--out", out_.string()});
     while (program.running() && !fs::exists(out_)) std::this_thread::sleep_for(std::chrono::milliseconds(5));
     program.signal(signal);
     const Outcome outcome = program.wait();
@@ -180,7 +180,7 @@ TEST_F(CommandLine, AnInterruptedRunIsWritten) {
     EXPECT_NE(outcome.err.find("is in " + out_.string()), std::string::npos) << outcome.err;
     const json summary = json::parse(read(out_ / "summary.json"));
     EXPECT_EQ(summary.at("interrupted"), true);
-    EXPECT_LT(summary.at("engines").at("simbody").at("simulated_s"), 3600);
+    EXPECT_LT(summary.at("engines").at("simbody").at("simulated_s"), 1000);
     for (const json& expectation : summary.at("expectations")) EXPECT_EQ(expectation.at("verdict"), "not checked");
     EXPECT_TRUE(fs::exists(out_ / "trajectory_simbody.csv"));
     EXPECT_TRUE(fs::exists(out_ / "events.csv"));
@@ -277,7 +277,8 @@ TEST_F(CommandLine, CompareTellsHowFarRunsAreApart) {
   const Outcome same = run({"compare", a, a, "--json"});
   ASSERT_EQ(same.exit_code, 0) << same.err;
   const json nothing = json::parse(same.out).at("simbody");
-  for (const auto& [name, signal] : nothing.at("signals").items()) EXPECT_EQ(signal.at("max"), 0) << name;
+  // The product of a quaternion with its conjugate rounds; all else is exactly the same.
+  for (const auto& [name, signal] : nothing.at("signals").items()) EXPECT_LT(signal.at("max"), 1e-15) << name;
   EXPECT_EQ(nothing.at("events").at("only_first").size(), 0u);
   EXPECT_GE(nothing.at("events").at("matched").size(), 1u);
 
