@@ -112,8 +112,11 @@ std::string progress_line(const std::string& label, double fraction, double elap
 ProgressBar::ProgressBar(std::string label, bool wanted)
     : label_(std::move(label)), active_(wanted && isatty(STDERR_FILENO) == 1) {}
 
-ProgressBar::~ProgressBar() {
+ProgressBar::~ProgressBar() { clear(); }
+
+void ProgressBar::clear() {
   if (drawn_) std::fputs("\r\033[K", stderr);
+  drawn_ = false;
 }
 
 void ProgressBar::update(double fraction) {

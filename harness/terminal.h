@@ -50,7 +50,7 @@ Style style_for(int file_descriptor);
 // "label  [#####-----]  43 %  12 s left", cut to `width`.
 std::string progress_line(const std::string& label, double fraction, double elapsed_s, std::size_t width);
 
-// On stderr, where that is a terminal and the work takes longer than a second; gone when it is destroyed.
+// On stderr, where that is a terminal and the work takes longer than a second; gone when it is destroyed or cleared.
 class ProgressBar {
  public:
   explicit ProgressBar(std::string label, bool wanted = true);
@@ -59,6 +59,8 @@ class ProgressBar {
   ProgressBar& operator=(const ProgressBar&) = delete;
 
   void update(double fraction);
+  void clear();  // to print something else; the next update draws it again
+  void relabel(std::string label) { label_ = std::move(label); }
 
  private:
   using Clock = std::chrono::steady_clock;

@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cerrno>
 #include <chrono>
+#include <csignal>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
@@ -176,9 +178,16 @@ void ValidateCommand::execute() const {
   const Interrupt interrupt;
   const Style style = style_for(STDOUT_FILENO);
 
-  auto bar = std::make_unique<ProgressBar>(fmt::format("{} cases", all.size()));
+  ProgressBar bar(fmt::format("{} cases", all.size()));
   std::size_t started = 0, printed = 0, running = 0;
+  bool told_to_stop = false;
   while (printed < all.size() && (running > 0 || Interrupt::signal() == 0)) {
+    if (Interrupt::signal() != 0 && !told_to_stop) {
+      // SIGTERM, whatever came: Ctrl-C reaches all processes of a terminal, and a second SIGINT would be sudden.
+      for (const Job& job : all)
+        if (job.process > 0 && job.exit_code == -1) kill(job.process, SIGTERM);
+      told_to_stop = true;
+    }
     while (running < jobs && started < all.size() && Interrupt::signal() == 0) {
       Job& job = all[started];
       job.report = std::tmpfile();
@@ -214,16 +223,16 @@ void ValidateCommand::execute() const {
     }
     // Reports come in the order of the cases, whichever ends first.
     while (!json && printed < started && all[printed].exit_code != -1) {
-      bar = nullptr;
+      bar.clear();
       fmt::print("{}", all[printed++].text);
       std::fflush(stdout);
-      bar = std::make_unique<ProgressBar>(fmt::format("{} of {} cases", all.size() - printed, all.size()));
+      bar.relabel(fmt::format("{} of {} cases left", all.size() - printed, all.size()));
     }
     if (json && running == 0 && started == all.size()) printed = all.size();
-    bar->update(progress.mean());
+    bar.update(progress.mean());
     std::this_thread::sleep_for(kPollInterval);
   }
-  bar = nullptr;
+  bar.clear();
 
   if (json) {
     std::string separator;

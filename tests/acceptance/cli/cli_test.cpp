@@ -357,6 +357,17 @@ TEST_F(CommandLine, ValidateGivesALinePerCaseAndTheWorstExitCode) {
   EXPECT_TRUE(summaries.at(2).contains("refused"));
 }
 
+TEST_F(CommandLine, ValidateStopsAllItsProcesses) {
+  // 150,000 communication points: it is at work for seconds when the signal comes, right after its directory is there.
+  Program program({"validate", box_, "--engine", "mujoco_same_law", "--set", "duration=1500", "--out", out_.string()});
+  while (program.running() && !fs::exists(out_ / "box")) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  program.signal(SIGTERM);  // to the first process alone
+  const Outcome outcome = program.wait();
+  EXPECT_EQ(outcome.exit_code, 128 + SIGTERM) << outcome.err;
+  EXPECT_NE(outcome.out.find("interrupted"), std::string::npos) << outcome.out;
+  EXPECT_EQ(json::parse(read(out_ / "box" / "summary.json")).at("interrupted"), true);
+}
+
 TEST_F(CommandLine, ValidateRefusesDirectoriesWithoutCases) {
   const fs::path empty = directory_.path() / "empty";
   fs::create_directory(empty);
