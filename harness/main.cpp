@@ -80,6 +80,8 @@ int main(int argc, char** argv) {
     harness::add_validate_command(app, command);
     harness::add_signals_command(app);
     harness::add_compare_command(app);
+    harness::add_plot_command(app);
+    harness::add_sweep_command(app);
     contact_nn::add_contact_commands(app);
     app.parse(argc, argv);
     return 0;

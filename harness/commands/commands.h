@@ -23,5 +23,7 @@ void add_run_command(CLI::App& app, const std::string& command_line);
 void add_validate_command(CLI::App& app, const std::string& command_line);
 void add_signals_command(CLI::App& app);
 void add_compare_command(CLI::App& app);
+void add_plot_command(CLI::App& app);
+void add_sweep_command(CLI::App& app);
 
 }  // namespace quayside::harness

@@ -30,7 +30,7 @@ void plot(const PlotOptions& options) {
     }
     panels.push_back(std::move(panel));
   }
-  const std::string svg = svg_plot(options.title.empty() ? options.run : options.title, "time [s]", panels);
+  const std::string svg = svg_plot(options.title.empty() ? options.run : options.title, {"time [s]"}, panels);
   std::ofstream file(options.out);
   if (!(file << svg).flush()) throw std::runtime_error("cannot write '" + options.out + "'");
 }
