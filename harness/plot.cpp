@@ -12,7 +12,7 @@ namespace quayside::harness {
 namespace {
 
 // Geometry of the sheet, in CSS pixels.
-constexpr double kWidth = 820, kPanelHeight = 190, kGap = 42, kLeft = 84, kRight = 20, kTop = 70, kBottom = 46;
+constexpr double kWidth = 820, kPanelHeight = 190, kGap = 42, kLeft = 84, kRight = 20, kTop = 84, kBottom = 46;
 
 // Okabe and Ito's palette, told apart by colour-blind readers as well; dashes carry the same distinction in print.
 constexpr std::array<const char*, 6> kColours{"#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9"};
@@ -96,9 +96,12 @@ std::string svg_plot(const std::string& title, const Axes& axes, const std::vect
 
   const double height = kTop + panels.size() * (kPanelHeight + kGap) - kGap + kBottom;
   const double plot_width = kWidth - kLeft - kRight;
+  const auto place = [&](const std::string& label) {
+    return static_cast<std::size_t>(std::find(labels.begin(), labels.end(), label) - labels.begin());
+  };
+  const auto colour = [&](const std::string& label) { return kColours[place(label) % kColours.size()]; };
   const auto style = [&](const std::string& label) {
-    const auto k = std::find(labels.begin(), labels.end(), label) - labels.begin();
-    return fmt::format("stroke=\"{}\" stroke-dasharray=\"{}\"", kColours[k % kColours.size()], kDashes[k % kDashes.size()]);
+    return fmt::format("stroke=\"{}\" stroke-dasharray=\"{}\"", colour(label), kDashes[place(label) % kDashes.size()]);
   };
 
   std::string svg = fmt::format(
@@ -150,8 +153,8 @@ std::string svg_plot(const std::string& title, const Axes& axes, const std::vect
         const bool drawable = std::isfinite(x) && std::isfinite(y);
         if (drawable) path += fmt::format("{}{:.1f} {:.1f}", pen_down ? "L" : "M", px(x), py(y));
         if (drawable && axes.markers)
-          svg += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"4\" fill=\"#ffffff\" stroke-width=\"1.7\" {}/>\n", px(x),
-                             py(y), style(curve.label));
+          svg += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"4\" fill=\"#ffffff\" stroke-width=\"1.7\" stroke=\"{}\"/>\n",
+                             px(x), py(y), colour(curve.label));
         pen_down = drawable;
       }
       svg += fmt::format("<path d=\"{}\" fill=\"none\" stroke-width=\"1.7\" stroke-linejoin=\"round\" {}/>\n", path,

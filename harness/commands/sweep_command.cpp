@@ -22,7 +22,7 @@ struct SweepCommand {
   std::string file, out;
   CaseOptions options;
   std::vector<double> tolerances{1e-4, 1e-5, 1e-6, 1e-7, 1e-8};
-  std::vector<double> steps{1e-3, 5e-4, 2e-4, 1e-4, 5e-5};
+  std::vector<double> steps{1e-2, 5e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4};
   SweepOptions sweep;
 
   void execute();
