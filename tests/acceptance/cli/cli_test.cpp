@@ -189,7 +189,7 @@ TEST_F(CommandLine, AnInterruptedRunIsWritten) {
 
 TEST_F(CommandLine, MistakesOnTheCommandLineAreRefused) {
   const std::string out = out_.string();
-  expect_refused(run({}), "no command, expected one of: run, validate, signals, compare, contact");
+  expect_refused(run({}), "no command, expected one of: run, validate, signals, compare");
   expect_refused(run({"rum", box_}), "unknown command 'rum', expected one of: run");
   expect_refused(run({"run"}), "see 'quayside run --help'");
   expect_refused(run({"run", box_, "--fast"}), "--fast");
