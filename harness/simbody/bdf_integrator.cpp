@@ -23,6 +23,9 @@ constexpr double kOutlook = 1.0;  // [s]
 constexpr int kMaxErrorTestFailures = 30;
 constexpr int kMaxConvergenceFailures = 30;
 
+// Steps below this get nowhere: time itself is known to 1e-12 s after an hour [s].
+constexpr double kShortestStep = 1e-11;
+
 constexpr int kHighestOrder = 5;
 
 template <typename T, void (*release)(T)>
@@ -142,6 +145,7 @@ BdfIntegrator::BdfIntegrator(OdeSystem& system, const std::vector<double>& toler
   s.demand(CVodeQuadInit(cvodes, Solver::quadrature, s.z), "CVodeQuadInit");
   s.demand(CVodeSetMaxErrTestFails(cvodes, kMaxErrorTestFailures), "CVodeSetMaxErrTestFails");
   s.demand(CVodeSetMaxConvFails(cvodes, kMaxConvergenceFailures), "CVodeSetMaxConvFails");
+  s.demand(CVodeSetMinStep(cvodes, kShortestStep), "CVodeSetMinStep");
   if (max_step > 0) s.demand(CVodeSetMaxStep(cvodes, max_step), "CVodeSetMaxStep");
 }
 

@@ -15,6 +15,8 @@ using crane_models::JointType;
 using crane_models::kWorld;
 using crane_models::Pose;
 
+constexpr double kShortestRope = 0.05;  // the radius of a small sheave [m]
+
 SimTK::Vec3 to_simtk(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 Eigen::Vector3d to_eigen(const SimTK::Vec3& v) { return {v[0], v[1], v[2]}; }
 
@@ -198,6 +200,14 @@ void MultibodyModel::set_drive(int drive, double reference, const DriveMotion& m
 
 DriveMotion MultibodyModel::drive(int drive, double t) const {
   return drives_[drive].motion.after(t - drives_[drive].reference);
+}
+
+int MultibodyModel::spent_rope(double t) const {
+  for (std::size_t i = 0; i < scene_.ropes.size(); ++i) {
+    const spreader::Rope& rope = scene_.ropes[i];
+    if (rope.drive >= 0 && rope.rest_length + drive(rope.drive, t).value < kShortestRope) return static_cast<int>(i);
+  }
+  return -1;
 }
 
 // Parents stand before their children, so that a child can be fitted against a parent that is in place.

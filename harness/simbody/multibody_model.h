@@ -32,6 +32,9 @@ class MultibodyModel {
   void set_lock(int lock, bool closed) { locks_closed_[lock] = closed; }
   bool lock_closed(int lock) const { return locks_closed_[lock] != 0; }
 
+  // A rope whose drive has left it no length at t to speak of, so that its stiffness EA / L0 has no meaning; −1: none.
+  int spent_rope(double t) const;
+
   // The scene's start: poses and velocities of its bodies, driven joints where their drives are at t.
   void start(double t, double* y);
 

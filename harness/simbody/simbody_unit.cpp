@@ -47,6 +47,12 @@ constexpr double kAlarmingDepth = 0.5;
 // Inputs of a drive that differ by less from its present motion do not change it [m or rad, and per second].
 constexpr double kSameMotion = 1e-9;
 
+// Inputs of drives beyond this are mistakes, and would overflow further on [m or rad, per second and per second squared].
+constexpr double kLargestInput = 1e6;
+
+// Steps shrink before the moment at which a rope's rest length is used up, to fail at last within this of it [s].
+constexpr double kSpentRopeOutlook = 1e-3;
+
 constexpr double kFarAway = 1e12;  // a stop time that is none [s]
 
 // Quadratures: work in, dissipated, then three components of impulse per contact group.
@@ -88,7 +94,7 @@ class Dynamics final : public OdeSystem {
 
   bool derivative(double t, const double* y, double* y_dot) override {
     last_caller_ = Caller::integrator;
-    if (!finite(y, model_.size())) return false;
+    if (!finite(y, model_.size()) || model_.spent_rope(t) >= 0) return false;
     model_.derivative(t, y, y_dot);
     return finite(y_dot, model_.size());
   }
@@ -260,8 +266,9 @@ void SimbodyUnit::set(ValueReference variable, double value) {
   if (variable >= variables_.size() || variables_[variable].causality != Causality::input) {
     throw std::invalid_argument(fmt::format("simbody: variable {} is not an input", variable));
   }
-  if (!std::isfinite(value)) {
-    throw std::invalid_argument(fmt::format("simbody: {} cannot be {}", variables_[variable].name, value));
+  if (!(std::abs(value) <= kLargestInput)) {
+    throw std::invalid_argument(fmt::format("simbody: {} cannot be {}: at most {} either way",
+                                            variables_[variable].name, value, kLargestInput));
   }
   inputs_[variable] = value;
   input_is_set_[variable] = true;
@@ -528,7 +535,8 @@ StepResult SimbodyUnit::do_step(Time now, Time step) {
   } catch (const IntegrationFailed& failure) {
     settle(std::max(time_, static_cast<Time>(std::floor(begin_.time / kNanosecond))));
     running_ = false;
-    throw StepFailed(name_, time_, failure.what());
+    const int rope = model_.spent_rope(integrator_.time() + kSpentRopeOutlook);
+    throw StepFailed(name_, time_, rope < 0 ? failure.what() : scene_.ropes[rope].name + " is hoisted in to its end");
   }
   settle(target);
   return {time_, false, false};
