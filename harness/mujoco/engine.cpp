@@ -410,7 +410,6 @@ StepResult Engine::do_step(Time now, Time step) {
         advance_to(reached);
         fill(end_);
       }
-      accept_step();
       std::swap(begin_, end_);
       update_ledger();
       if (flip) {

@@ -48,8 +48,6 @@ class Engine : public EngineUnit {
   virtual void read_loads() {}
   // After the stages of a step of `h` seconds and the evaluation at its end: adds ∫ rates dt to `integrals_`.
   virtual void integrate(double h, const std::vector<double>& rates_at_begin) = 0;
-  // A step is done and stays.
-  virtual void accept_step() {}
   virtual PassiveLaw* law() { return nullptr; }
 
   // Motion of a drive `after` seconds from `time_`.

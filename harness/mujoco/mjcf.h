@@ -4,6 +4,7 @@
 //   slider, hinge   slide, hinge; pivot: ball; free: freejoint
 //   driven joint    the same with an armature so large that nothing but the drive moves it (see `drive_armature`)
 //   collision box   geom "<body>.<index>"; beside it a plane "<body>.<index>.top" where that stands for it in contacts
+//                   (native: boxes of one size differ by 0.1 mm, see contact_half in mjcf.cpp)
 //   rope            spatial tendon "<rope>" between two sites, its length limited to the rest length   (native only)
 //   lock            one connect constraint "<lock>.<pin>" per pin                                      (native only)
 //   contact pair    one or more <pair>s                                                                (native only)

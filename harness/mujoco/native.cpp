@@ -22,6 +22,13 @@ std::shared_ptr<const contact_nn::ContactModule> geometry(contact_nn::ContactSet
 
 Eigen::Vector3d vector(const mjtNum* v) { return {v[0], v[1], v[2]}; }
 
+crane_models::Pose geom_pose(const mjData* data, int geom) {
+  crane_models::Pose X_WG = crane_models::Pose::Identity();
+  X_WG.translation() = vector(data->geom_xpos + 3 * geom);
+  X_WG.linear() = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(data->geom_xmat + 9 * geom);
+  return X_WG;
+}
+
 void set_active(mjModel* model, mjData* data, int equality, bool active) {
 #if mjVERSION_HEADER >= 310
   data->eq_active[equality] = active;
@@ -69,7 +76,8 @@ NativeEngine::NativeEngine(const crane_models::Scene& scene, const contact_nn::C
       return mj_name2id(m, mjOBJ_GEOM, geom_name(scene_, body, box, as_plane).c_str());
     };
     const int a = id(pair.body_a, pair.box_a, a_plane), b = id(pair.body_b, pair.box_b, b_plane);
-    pairs_.push_back({a, b, press_flat(scene_, pair).reported_depth});
+    pairs_.push_back({id(pair.body_a, pair.box_a, false), id(pair.body_b, pair.box_b, false),
+                      press_flat(scene_, pair).reported_depth});
     const int number = static_cast<int>(pairs_.size());
     pair_of_geoms_[a * m->ngeom + b] = number;
     pair_of_geoms_[b * m->ngeom + a] = -number;
@@ -96,7 +104,6 @@ void NativeEngine::set_ropes(double after) {
 }
 
 void NativeEngine::prepare_evaluation() {
-  ++statistics_.rhs_evaluations;
   set_ropes(0);
   for (std::size_t i = 0; i < equalities_.size(); ++i) {
     for (const int equality : equalities_[i]) set_active(model_.model(), model_.data(), equality, locks_closed_[i]);
@@ -104,7 +111,6 @@ void NativeEngine::prepare_evaluation() {
 }
 
 void NativeEngine::prepare_stages(double h) {
-  statistics_.rhs_evaluations += 3;
   set_ropes(kMeanOfLaterStages * h);
 }
 
@@ -187,19 +193,18 @@ void NativeEngine::integrate(double h, const std::vector<double>& rates_at_begin
   for (std::size_t i = 0; i < rates_.size(); ++i) integrals_[i] += 0.5 * h * (rates_at_begin[i] + rates_[i]);
 }
 
-void NativeEngine::accept_step() {
-  const mjData* d = model_.data();
-  for (int i = 0; i < d->ncon; ++i) {
-    const mjContact& contact = d->contact[i];
+void NativeEngine::add_passive_forces(const mjModel*, mjData* data) {
+  ++statistics_.rhs_evaluations;
+  for (int i = 0; i < data->ncon; ++i) {
+    const mjContact& contact = data->contact[i];
     const auto [index, sign] = find_pair(contact);
-    const auto& pair = scene_.pairs[index];
-    const auto& box_a = scene_.bodies[pair.body_a].boxes[pair.box_a];
-    const auto& box_b = scene_.bodies[pair.body_b].boxes[pair.box_b];
-    const crane_models::Pose X_WA = motions_[pair.body_a].X_WB * box_a.X_BG;
-    const crane_models::Pose X_WB = motions_[pair.body_b].X_WB * box_b.X_BG;
+    const crane_models::Pose X_WA = geom_pose(data, pairs_[index].box_a), X_WB = geom_pose(data, pairs_[index].box_b);
     const ReportedContact reported{X_WA.inverse() * vector(contact.pos),
                                    sign * (X_WA.linear().transpose() * vector(contact.frame)), -contact.dist};
-    statistics_.phantom_contacts += is_phantom({box_a.half}, {box_b.half}, X_WA.inverse() * X_WB, reported);
+    const auto& pair = scene_.pairs[index];
+    statistics_.phantom_contacts +=
+        is_phantom({scene_.bodies[pair.body_a].boxes[pair.box_a].half},
+                   {scene_.bodies[pair.body_b].boxes[pair.box_b].half}, X_WA.inverse() * X_WB, reported);
   }
 }
 

@@ -10,10 +10,12 @@ namespace quayside::harness::mujoco {
 // mean time. A tendon's damper does not know the rate of its limit; with the limit at L0 + damping_time · L̇0 the tension
 // K (l − limit) + C l̇ is K (l − L0) + C (l̇ − L̇0), as it should be.
 //
+// Contacts that geometry does not allow (see phantom.h) are counted at every evaluation and left in.
+//
 // The energy ledger counts what is known of MuJoCo's forces: ropes by their true stretch; locks and contacts as springs
 // by their violation, and as dissipated what the rest of each force takes. It is summed by the trapezoidal rule; a
 // change in the number of contact points moves elastic energy without anyone's work and stays in the residual.
-class NativeEngine final : public Engine {
+class NativeEngine final : public Engine, private PassiveLaw {
  public:
   NativeEngine(const crane_models::Scene& scene, const contact_nn::ContactSettings& contact,
                const SolverSettings& solver);
@@ -25,11 +27,13 @@ class NativeEngine final : public Engine {
   void prepare_stages(double h) override;
   void read_loads() override;
   void integrate(double h, const std::vector<double>& rates_at_begin) override;
-  void accept_step() override;
+  PassiveLaw* law() override { return this; }
+  // Adds no force, but sees the contacts of every stage.
+  void add_passive_forces(const mjModel* model, mjData* data) override;
 
   // A contact pair as MuJoCo has it.
   struct Pair {
-    int geom_a, geom_b;
+    int box_a, box_b;       // geoms of the boxes, also where a plane stands for one in contacts
     double reported_depth;  // see FlatContact
   };
   struct PairContact {

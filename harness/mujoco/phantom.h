@@ -12,8 +12,8 @@ struct ReportedContact {
   double depth;         // [m]
 };
 
-// True when the boxes are apart, when the point lies outside of one of them enlarged by the depth, or when the depth is
-// larger than the boxes overlap along the normal; each by more than 1e-6 m, the rounding of a collider on boxes of 100 m.
+// True when the boxes are apart, when the point lies outside of one of them enlarged by the depth, or when the boxes
+// overlap less along the normal than the depth; each by more than 1e-6 m, the rounding of a collider on boxes of 100 m.
 bool is_phantom(const contact_nn::Box& a, const contact_nn::Box& b, const contact_nn::Pose& X_AB,
                 const ReportedContact& contact);
 

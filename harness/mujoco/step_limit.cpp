@@ -18,7 +18,7 @@ using crane_models::kWorld;
 constexpr double kModeFactor = 3;
 constexpr double kLeastPhase = 0.01, kMostPhase = 0.5;  // [rad] per step
 constexpr double kLockPhaseOverPhase = 3;
-constexpr double kDamperPhase = 1, kFrictionPhase = 1;
+constexpr double kDamperPhase = 1, kFrictionPhase = 2;
 constexpr double kDepthOfArrival = 1e-4;     // [m]
 constexpr double kAccelerationsInG = 3;      // bound of what accelerates bodies before they meet, in gravity
 constexpr double kLeastAcceleration = 10;    // the same where there is little gravity [m/s²]
