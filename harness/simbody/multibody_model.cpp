@@ -151,6 +151,7 @@ MultibodyModel::MultibodyModel(const crane_models::Scene& scene, std::shared_ptr
       at_rest[i] = true;
       continue;
     }
+    moving_mass_ += body.mass;
     SimTK::MobilizedBody& base = parent_at_rest ? s.matter.updGround() : s.matter.updMobilizedBody(s.bodies[parent]);
     SimTK::MobilizedBody mobilized = s.add(body, base, to_simtk(X_PF));
     s.bodies[i] = mobilized.getMobilizedBodyIndex();

@@ -51,6 +51,7 @@ class MultibodyModel {
   double time_to_contact(double depth, double acceleration) const {
     return forces_.time_to_contact(motions_, depth, acceleration, locks_closed_);
   }
+  double moving_mass() const { return moving_mass_; }  // of all bodies that are not fixed to the world [kg]
   double kinetic_energy() const;
   double potential_energy() const;  // gravity, ropes, locks, contacts
   double work_power() const;        // of rope drives and driven joints; after `derivative` only where joints are driven
@@ -75,6 +76,7 @@ class MultibodyModel {
   std::vector<DriveState> drives_;
   std::vector<crane_models::DriveMotion> drive_now_;
   std::vector<char> locks_closed_;
+  double moving_mass_ = 0;
   double time_ = 0;
   std::vector<BodyMotion> motions_;
   SceneLoads loads_;

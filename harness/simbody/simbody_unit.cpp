@@ -33,11 +33,11 @@ constexpr double kAccelerationBound = 30.0;  // of what is not in contact: three
 constexpr double kShortestBound = 1e-6;      // so that bounding cannot stall a step [s]
 
 // BDF of order three and more is unstable for stiff oscillations without damping and rings in a contact at rest. While bodies touch, the
-// integrator watches its own stability; where a contact has lasted this long, order two, which is stable, is cheaper [s].
-// Measured at 1e-6, in evaluations (a flat landing; a corner landing that rocks for a second; 60 s of a stack of five):
-//   order 5 throughout 2756, 4262, 17142;  order 2 throughout 1697, 8215, 4950;  watched 1416, 3839, 10702;
-//   order 2 after 0.1 s 1455, 6110, 4959;  watched, and order 2 after 1 s 1453, 3348, 5422.
-constexpr double kRestingTime = 1.0;
+// integrator watches its own stability; where a contact has lasted for kRestingTime and what still moves is hardly more than the
+// tolerance, order two, which is stable, is cheaper. The mean speed has to rise by a factor to leave it again: each change is a restart.
+constexpr double kRestingTime = 1.0;       // [s]
+constexpr double kRestingSpeed = 1e4;      // root of the mean square over all mass, per relative tolerance [m/s]
+constexpr double kRestlessFactor = 4;
 constexpr int kOrderInMotion = 5;
 constexpr int kOrderAtRest = 2;
 
@@ -167,6 +167,7 @@ class SimbodyUnit final : public EngineUnit {
   SimbodyUnit(const crane_models::Scene& scene, const contact_nn::ContactSettings& contact, const SolverSettings& solver)
       : scene_(scene),
         variables_(engine_variables(scene_)),
+        relative_tolerance_(solver.relative_tolerance),
         model_(scene_, contact_nn::make_contact_module(contact)),
         monitor_(scene_),
         dynamics_(model_, monitor_.groups()),
@@ -225,6 +226,7 @@ class SimbodyUnit final : public EngineUnit {
   const std::string name_ = "simbody";
   const crane_models::Scene scene_;
   const std::vector<Variable> variables_;
+  const double relative_tolerance_;
   MultibodyModel model_;
   EventMonitor monitor_;
   Dynamics dynamics_;
@@ -242,7 +244,7 @@ class SimbodyUnit final : public EngineUnit {
   double kinetic_start_ = 0, potential_start_ = 0;  // [J]
   EventMonitor::Sample begin_, end_;  // begin_: where the monitor stands
   bool running_ = false;             // the integrator's history holds time_
-  int max_order_ = kOrderInMotion;   // since the last restart
+  int max_order_ = kOrderInMotion;   // now and, for the hysteresis of kRestlessFactor, in saved states
 };
 
 void SimbodyUnit::demand(Mode mode, const char* what) const {
@@ -357,7 +359,7 @@ void SimbodyUnit::begin_simulation() {
   dynamics_.evaluate(t, y_.data());
   fill(t, z_.data(), begin_);
   monitor_.start(begin_);
-  max_order_ = order_now();
+  max_order_ = kOrderInMotion;
   ledger_ = EnergyLedger{};
   kinetic_start_ = model_.kinetic_energy();
   potential_start_ = model_.potential_energy();
@@ -483,8 +485,10 @@ void SimbodyUnit::update_ledger(const std::vector<double>& z) {
                 std::abs(ledger_.potential - potential_start_), std::abs(ledger_.work_in), ledger_.dissipated});
 }
 
-// The highest order that is stable now.
+// The highest order to use now.
 int SimbodyUnit::order_now() const {
+  const double speed_limit = kRestingSpeed * relative_tolerance_ * (max_order_ == kOrderAtRest ? kRestlessFactor : 1);
+  if (ledger_.kinetic > 0.5 * model_.moving_mass() * speed_limit * speed_limit) return kOrderInMotion;
   for (std::size_t i = 0; i < monitor_.groups().size(); ++i) {
     const int group = static_cast<int>(i);
     if (monitor_.touching(group) && begin_.time - monitor_.touching_since(group) > kRestingTime) return kOrderAtRest;
@@ -564,6 +568,7 @@ UnitState SimbodyUnit::save() {
   out.put(kinetic_start_);
   out.put(potential_start_);
   out.put(ledger_.largest_exchange);
+  out.put(max_order_);
   monitor_.save(out);
   running_ = false;
   return out.take();
@@ -591,6 +596,7 @@ void SimbodyUnit::restore(const UnitState& state) {
   ledger_ = EnergyLedger{};
   ledger_.start = kinetic_start_ + potential_start_;
   in.get(ledger_.largest_exchange);
+  in.get(max_order_);
   monitor_.restore(in);
   in.finish();
 
