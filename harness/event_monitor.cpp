@@ -96,8 +96,9 @@ void EventMonitor::start(const Sample& now) {
   }
 }
 
-// The Illinois variant of the rule of false position: the secant of the bracket's ends, where an end that stays twice has its value
-// halved, so that both ends close in. Illinois steps alternate with bisections, since force indicators can be kinked.
+// The Illinois variant of the rule of false position: the secant of the bracket's ends, where an end that stays twice
+// has its value halved, so that both ends close in. Illinois steps alternate with bisections, since force indicators
+// can be kinked.
 Time EventMonitor::locate(Kind kind, int index, const Sample& begin, const Sample& end, const SampleAt& at) {
   const double direction = is_on(kind, index) ? -1 : 1;
   double before = begin.time, after = end.time;

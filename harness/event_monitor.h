@@ -40,8 +40,9 @@ class EventMonitor {
   // made now; ropes and switches are not events yet.
   void start(const Sample& now);
 
-  // One step from `begin` to `end`; `begin` is where the last step ended. Where a landed switch flips within it, only what happens
-  // up to then is booked and the time of the flip is returned: the unit ends its step there and the next one begins there.
+  // One step from `begin` to `end`; `begin` is where the last step ended. Where a landed switch flips within it, only
+  // what happens up to then is booked and the time of the flip is returned: the unit ends its step there and the next
+  // one begins there.
   //
   // A signal that changes and changes back within one step is not seen: the steps are the resolution.
   std::optional<Time> advance(const Sample& begin, const Sample& end, const SampleAt& at);

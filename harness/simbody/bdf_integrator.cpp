@@ -102,11 +102,13 @@ struct BdfIntegrator::Solver {
   }
   static int derivative(realtype t, N_Vector y, N_Vector y_dot, void* self) {
     auto& solver = *static_cast<Solver*>(self);
-    return solver.guarded([&] { return solver.system.derivative(t, N_VGetArrayPointer(y), N_VGetArrayPointer(y_dot)); });
+    return solver.guarded(
+        [&] { return solver.system.derivative(t, N_VGetArrayPointer(y), N_VGetArrayPointer(y_dot)); });
   }
   static int quadrature(realtype t, N_Vector y, N_Vector z_dot, void* self) {
     auto& solver = *static_cast<Solver*>(self);
-    return solver.guarded([&] { return solver.system.quadrature(t, N_VGetArrayPointer(y), N_VGetArrayPointer(z_dot)); });
+    return solver.guarded(
+        [&] { return solver.system.quadrature(t, N_VGetArrayPointer(y), N_VGetArrayPointer(z_dot)); });
   }
   static int project(realtype, N_Vector y, N_Vector correction, realtype, N_Vector error, void* self) {
     auto& solver = *static_cast<Solver*>(self);

@@ -1,5 +1,5 @@
-// SUNDIALS' CVODES as this project uses it: BDF with Newton and a dense Jacobian by differences, one internal step at a time, with
-// quadratures and dense output. SUNDIALS itself stays inside the .cpp.
+// SUNDIALS' CVODES as this project uses it: BDF with Newton and a dense Jacobian by differences, one internal step at
+// a time, with quadratures and dense output. SUNDIALS itself stays inside the .cpp.
 #pragma once
 
 #include <cstdint>
@@ -10,8 +10,8 @@
 
 namespace quayside::harness {
 
-// What is integrated: dy/dt = f(t, y) and quadratures dz/dt = g(t, y). The functions return false where they have no finite
-// value; the integrator then tries a shorter step. Exceptions end the step and come out of it.
+// What is integrated: dy/dt = f(t, y) and quadratures dz/dt = g(t, y). The functions return false where they have no
+// finite value; the integrator then tries a shorter step. Exceptions end the step and come out of it.
 class OdeSystem {
  public:
   virtual ~OdeSystem() = default;
@@ -29,20 +29,20 @@ class IntegrationFailed : public std::runtime_error {
 
 class BdfIntegrator {
  public:
-  // `tolerances`: what the local error of each component of y may be, absolutely. `max_step` 0: no bound. The system must outlive this
-  // object.
+  // `tolerances`: what the local error of each component of y may be, absolutely. `max_step` 0: no bound. The system
+  // must outlive this object.
   BdfIntegrator(OdeSystem& system, const std::vector<double>& tolerances, int quadratures, double max_step);
   ~BdfIntegrator();
 
   // Drops the history: the next step starts at order one from here. Steps depend on nothing that happened before.
   void restart(double t, const double* y, const double* z, int max_order);
 
-  // Whether to look out for the ringing of orders three to five, which are unstable for stiff undamped oscillations, and lower
-  // the order where it shows (CVODES' stability limit detection). Costs a little accuracy in smooth motion.
+  // Whether to look out for the ringing of orders three to five, which are unstable for stiff undamped oscillations,
+  // and lower the order where it shows (CVODES' stability limit detection). Costs a little accuracy in smooth motion.
   void watch_stability(bool watch);
 
-  // One internal step, not beyond `stop` (which is after `time()`). Returns the new time. After IntegrationFailed time and
-  // history are those of the last good step.
+  // One internal step, not beyond `stop` (which is after `time()`). Returns the new time. After IntegrationFailed time
+  // and history are those of the last good step.
   double step(double stop);
 
   double time() const;        // reached by the last step

@@ -124,7 +124,8 @@ struct MultibodyModel::Simbody {
   SimTK::State state;
 };
 
-MultibodyModel::MultibodyModel(const crane_models::Scene& scene, std::shared_ptr<const contact_nn::ContactModule> contact)
+MultibodyModel::MultibodyModel(const crane_models::Scene& scene,
+                               std::shared_ptr<const contact_nn::ContactModule> contact)
     : scene_(scene),
       forces_(scene, std::move(contact)),
       drives_(scene.drives.size()),

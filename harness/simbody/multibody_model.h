@@ -1,9 +1,10 @@
-// A Scene as a Simbody MultibodySystem with the forces of SceneForces: coordinates in, accelerations, loads and energies out.
+// A Scene as a Simbody MultibodySystem with the forces of SceneForces: coordinates in, accelerations, loads and
+// energies out.
 //
-// Coordinates y = [q of the joints that move freely, their u], in Simbody's generalized coordinates: quaternion (w, x, y, z)
-// and position for free joints, the first four of these for pivots, one value for sliders and hinges; driven joints have none,
-// their drive prescribes them. Speeds u of free joints and pivots: angular velocity, then velocity, in the parent's frame.
-// The position of a free joint is that of the centre of mass.
+// Coordinates y = [q of the joints that move freely, their u], in Simbody's generalized coordinates: quaternion (w, x,
+// y, z) and position for free joints, the first four of these for pivots, one value for sliders and hinges; driven
+// joints have none, their drive prescribes them. Speeds u of free joints and pivots: angular velocity, then velocity,
+// in the parent's frame. The position of a free joint is that of the centre of mass.
 #pragma once
 
 #include <memory>

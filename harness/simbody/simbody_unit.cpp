@@ -17,8 +17,8 @@ namespace {
 
 using crane_models::DriveMotion;
 
-// What the local error of a coordinate may be, per unit of relative tolerance: the sizes of motions that matter in crane handling.
-// Absolute, so that a result does not depend on where the world's origin lies.
+// What the local error of a coordinate may be, per unit of relative tolerance: the sizes of motions that matter in
+// crane handling. Absolute, so that a result does not depend on where the world's origin lies.
 constexpr double kPositionScale = 1.0;          // [m]
 constexpr double kAngleScale = 0.2;             // [rad]: 1 m at the end of a 40 ft container and its spreader
 constexpr double kQuaternionScale = 0.1;        // half an angle
@@ -26,15 +26,16 @@ constexpr double kVelocityScale = 1.0;          // [m/s]
 constexpr double kAngularVelocityScale = 0.2;   // [rad/s]
 constexpr double kLargestRelativeTolerance = 1e-2;
 
-// A step is bounded so that it ends at most this deep inside a box it has not seen [m]: at a stiffness of 6e8 N/m the contact then
-// holds twice the weight of a full container, an error that the integrator sees and cuts.
+// A step is bounded so that it ends at most this deep inside a box it has not seen [m]: at a stiffness of 6e8 N/m the
+// contact then holds twice the weight of a full container, an error that the integrator sees and cuts.
 constexpr double kBlindDepth = 1e-3;
 constexpr double kAccelerationBound = 30.0;  // of what is not in contact: three times gravity [m/s²]
 constexpr double kShortestBound = 1e-6;      // so that bounding cannot stall a step [s]
 
-// BDF of order three and more is unstable for stiff oscillations without damping and rings in a contact at rest. While bodies touch, the
-// integrator watches its own stability; where a contact has lasted for kRestingTime and what still moves is hardly more than the
-// tolerance, order two, which is stable, is cheaper. The mean speed has to rise by a factor to leave it again: each change is a restart.
+// BDF of order three and more is unstable for stiff oscillations without damping and rings in a contact at rest. While
+// bodies touch, the integrator watches its own stability; where a contact has lasted for kRestingTime and what still
+// moves is hardly more than the tolerance, order two, which is stable, is cheaper. The mean speed has to rise by a
+// factor to leave it again: each change is a restart.
 constexpr double kRestingTime = 1.0;       // [s]
 constexpr double kRestingSpeed = 1e4;      // root of the mean square over all mass, per relative tolerance [m/s]
 constexpr double kRestlessFactor = 4;
@@ -47,7 +48,8 @@ constexpr double kAlarmingDepth = 0.5;
 // Inputs of a drive that differ by less from its present motion do not change it [m or rad, and per second].
 constexpr double kSameMotion = 1e-9;
 
-// Inputs of drives beyond this are mistakes, and would overflow further on [m or rad, per second and per second squared].
+// Inputs of drives beyond this are mistakes, and would overflow further on [m or rad, per second and per second
+// squared].
 constexpr double kLargestInput = 1e6;
 
 // Steps shrink before the moment at which a rope's rest length is used up, to fail at last within this of it [s].
@@ -158,13 +160,14 @@ const char* to_string(Mode mode) {
   return "";
 }
 
-// The integrator runs ahead: it takes its own steps, at most one beyond the communication time, and the unit's state there is dense
-// output. History is dropped only where the motion has a corner: at inputs that change a drive or a lock, when a
-// contact comes to rest (see kRestingTime), and at a save. Where the integrator had run ahead under inputs that change now, the restart
-// at the communication time is also what takes it back.
+// The integrator runs ahead: it takes its own steps, at most one beyond the communication time, and the unit's state
+// there is dense output. History is dropped only where the motion has a corner: at inputs that change a drive or a
+// lock, when a contact comes to rest (see kRestingTime), and at a save. Where the integrator had run ahead under
+// inputs that change now, the restart at the communication time is also what takes it back.
 class SimbodyUnit final : public EngineUnit {
  public:
-  SimbodyUnit(const crane_models::Scene& scene, const contact_nn::ContactSettings& contact, const SolverSettings& solver)
+  SimbodyUnit(const crane_models::Scene& scene, const contact_nn::ContactSettings& contact,
+              const SolverSettings& solver)
       : scene_(scene),
         variables_(engine_variables(scene_)),
         relative_tolerance_(solver.relative_tolerance),
@@ -289,7 +292,9 @@ double SimbodyUnit::get(ValueReference variable) const {
   }
   i -= inputs_.size();
   constexpr std::size_t kFrameOutputs = 14, kRopeOutputs = 2;
-  if (i < kFrameOutputs * scene_.frames.size()) return frame_output(scene_.frames[i / kFrameOutputs], i % kFrameOutputs);
+  if (i < kFrameOutputs * scene_.frames.size()) {
+    return frame_output(scene_.frames[i / kFrameOutputs], i % kFrameOutputs);
+  }
   i -= kFrameOutputs * scene_.frames.size();
   if (i < kRopeOutputs * scene_.ropes.size()) {
     const spreader::RopeTension& rope = model_.loads().ropes[i / kRopeOutputs];
@@ -410,8 +415,8 @@ bool SimbodyUnit::change_drive(std::size_t drive) {
   return !same;
 }
 
-// Energy that jumps is booked: what an opening lock held is lost, and whoever closes a strained lock or moves a drive at
-// one stroke has put it in.
+// Energy that jumps is booked: what an opening lock held is lost, and whoever closes a strained lock or moves a drive
+// at one stroke has put it in.
 void SimbodyUnit::apply_inputs() {
   if (std::none_of(input_is_set_.begin(), input_is_set_.end(), [](char set) { return set; })) return;
   bool changed = false;
@@ -457,8 +462,8 @@ void SimbodyUnit::look(double t, EventMonitor::Sample& sample) {
   fill(t, z_then_.data(), sample);
 }
 
-// Makes the dense output at `time` the state on the interface. What the unit shows there comes from that state alone, so that a restored
-// unit shows the same.
+// Makes the dense output at `time` the state on the interface. What the unit shows there comes from that state alone,
+// so that a restored unit shows the same.
 void SimbodyUnit::settle(Time time) {
   time_ = time;
   if (dynamics_.last_caller() == Dynamics::Caller::unit && model_.time() == seconds(time)) {  // by `look`
@@ -511,11 +516,13 @@ void SimbodyUnit::integrate_once() {
   integrator_.step(t + std::clamp(free_flight, kShortestBound, kFarAway));
 }
 
-// Integrator steps and communication steps know nothing of each other: the monitor goes along the dense output in pieces
-// that end where either of them does.
+// Integrator steps and communication steps know nothing of each other: the monitor goes along the dense output in
+// pieces that end where either of them does.
 StepResult SimbodyUnit::do_step(Time now, Time step) {
   demand(Mode::step, "a step");
-  if (now != time_) throw std::invalid_argument(fmt::format("simbody: a step from {} ns, but the unit is at {} ns", now, time_));
+  if (now != time_) {
+    throw std::invalid_argument(fmt::format("simbody: a step from {} ns, but the unit is at {} ns", now, time_));
+  }
   if (step <= 0) throw std::invalid_argument(fmt::format("simbody: a step of {} ns", step));
   apply_inputs();
   const Time target = now + step;

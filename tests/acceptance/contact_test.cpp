@@ -27,10 +27,11 @@ Event first(const std::vector<Event>& events, EventKind kind) {
   return {};
 }
 
-// Flat on a linear contact the box oscillates about its static depth m g / k, so the peak force is m g + √((m g)² + k m v²): 1222 kN for
-// 30.48 t at 0.5 m/s on 1e8 N/m. The potential law is linear but for the borders of the faces, whose strip as wide as the depth (12 mm) presses
-// less: (depth × circumference / area)(1 − 1/9) / 2 / 4 = 0.13 % of stiffness, half of that in force; the footprint equals the
-// reference area to 0.1 %. Without damping it leaves as fast as it came: impulse 2 m v + m g T.
+// Flat on a linear contact the box oscillates about its static depth m g / k, so the peak force is m g + √((m g)² + k
+// m v²): 1222 kN for 30.48 t at 0.5 m/s on 1e8 N/m. The potential law is linear but for the borders of the faces,
+// whose strip as wide as the depth (12 mm) presses less: (depth × circumference / area)(1 − 1/9) / 2 / 4 = 0.13 % of
+// stiffness, half of that in force; the footprint equals the reference area to 0.1 %. Without damping it leaves as
+// fast as it came: impulse 2 m v + m g T.
 TEST(Contact, FlatLandingPeaksAsASpring) {
   const double stiffness = 1e8, speed = 0.5;
   contact_nn::ContactSettings contact = elastic_contact();
@@ -47,8 +48,8 @@ TEST(Contact, FlatLandingPeaksAsASpring) {
   EXPECT_NEAR(left.impulse / (2 * kContainerMass * speed + weight * left.duration), 1, 1e-5);
 }
 
-// Dropped from h: touches after √(2h/g), to the nanosecond of the interface and the tolerance of the solver. Elastic: back at
-// the same speed, so contacts are made every 2 √(2h/g) plus the contact's own duration.
+// Dropped from h: touches after √(2h/g), to the nanosecond of the interface and the tolerance of the solver. Elastic:
+// back at the same speed, so contacts are made every 2 √(2h/g) plus the contact's own duration.
 TEST(Contact, BouncesInTime) {
   const double height = 0.1;
   Simulation simulation(falling_container(height, 0), elastic_contact(), 1e-9);
@@ -66,7 +67,8 @@ TEST(Contact, BouncesInTime) {
   }
 }
 
-// Energy is balanced through a hard landing on a corner with damping and friction: 1e-5 of the largest exchange is asked for.
+// Energy is balanced through a hard landing on a corner with damping and friction: 1e-5 of the largest exchange is
+// asked for.
 TEST(Contact, EnergyLedgerClosesInALanding) {
   Scene scene = falling_container(0.4, 0.5);
   scene.bodies[1].X_WB.linear() = (Eigen::AngleAxisd(0.03, Eigen::Vector3d::UnitX()) *
@@ -79,9 +81,9 @@ TEST(Contact, EnergyLedgerClosesInALanding) {
   EXPECT_LT(simulation.get("box.tilt"), 1e-6);
 }
 
-// On a slope of angle α a block slides from v₀ with the deceleration g(μ cos α − sin α) to rest if tan α < μ. Gravity is tilted instead of
-// the ground. Friction starts at v_t0 = 1 mm/s: v₀ / 500, so that the distance is right to some 1e-3 of it; landing on
-// the ground's face without depth shakes it a little more.
+// On a slope of angle α a block slides from v₀ with the deceleration g(μ cos α − sin α) to rest if tan α < μ. Gravity
+// is tilted instead of the ground. Friction starts at v_t0 = 1 mm/s: v₀ / 500, so that the distance is right to some
+// 1e-3 of it; landing on the ground's face without depth shakes it a little more.
 TEST(Contact, BlockStopsOnASlope) {
   const double slope = 0.2, friction = 0.4, speed = 0.5;
   contact_nn::ContactSettings contact = exact_contact();

@@ -33,12 +33,14 @@ TEST(Reference, AmplitudeFactors) {
   EXPECT_NEAR(amplitude_factor(20 * kPi / 180), 1.007669, 5e-7);
 }
 
-// On four parallel ropes of equal length a load moves in pure translation, so every point of it moves as a mathematical pendulum of the
-// ropes' length: T = 2π √(L/g) · 2/π K(sin θ₀/2), 10.0303 s times the factor for L = 25 m.
+// On four parallel ropes of equal length a load moves in pure translation, so every point of it moves as a
+// mathematical pendulum of the ropes' length: T = 2π √(L/g) · 2/π K(sin θ₀/2), 10.0303 s times the factor for L = 25
+// m.
 //
-// Ropes stretch with their tension, m g (3 cos θ − 2 cos θ₀) in a rigid pendulum, on average by θ₀²/4 of the static stretch (0.2 mm) more
-// than at rest: a relative 1e-7 in the period at 20°. Their pull passes the centre of mass, half a container below them, on one side, which
-// tilts the load by some 1e-4 of θ: parts in 1e6 of the period. The bound is the 1e-5 that is asked for.
+// Ropes stretch with their tension, m g (3 cos θ − 2 cos θ₀) in a rigid pendulum, on average by θ₀²/4 of the static
+// stretch (0.2 mm) more than at rest: a relative 1e-7 in the period at 20°. Their pull passes the centre of mass, half
+// a container below them, on one side, which tilts the load by some 1e-4 of θ: parts in 1e6 of the period. The bound
+// is the 1e-5 that is asked for.
 class SwayPeriod : public ::testing::TestWithParam<double> {};
 
 TEST_P(SwayPeriod, IsThatOfAPendulumOfTheRopesLength) {
@@ -64,9 +66,10 @@ TEST_P(SwayPeriod, IsThatOfAPendulumOfTheRopesLength) {
 
 INSTANTIATE_TEST_SUITE_P(Degrees, SwayPeriod, ::testing::Values(0.5, 5, 10, 20));
 
-// Quadrifilar: turned by a small ψ about the vertical, rope ends at radius r move r ψ sideways on ropes of length h, so the restoring moment
-// is m g r²/h ψ and T = 2π √(I_z h / (m g r²)): 12.6494 s for a uniform 40 ft box, h = 25 m, rectangles of ±0.9 × ±2.7 m.
-// The lifting of the load adds relative terms of (r ψ / h)² = 1e-8 at ψ = 1e-3; the static stretch is in h.
+// Quadrifilar: turned by a small ψ about the vertical, rope ends at radius r move r ψ sideways on ropes of length h,
+// so the restoring moment is m g r²/h ψ and T = 2π √(I_z h / (m g r²)): 12.6494 s for a uniform 40 ft box, h = 25 m,
+// rectangles of ±0.9 × ±2.7 m. The lifting of the load adds relative terms of (r ψ / h)² = 1e-8 at ψ = 1e-3; the
+// static stretch is in h.
 TEST(Ropes, SkewPeriodIsQuadrifilar) {
   Scene scene;
   hang_container(scene, {25, 2.7, 0.9, kStiffRopes});
@@ -74,7 +77,8 @@ TEST(Ropes, SkewPeriodIsQuadrifilar) {
   Simulation simulation(scene, exact_contact(), kTight);
   ZeroCrossings crossings;
   simulation.run_to(38, 0.01, [&] {
-    crossings.add(simulation.time(), 2 * simulation.get("load.orientation.z"), simulation.get("load.angular_velocity.z"));
+    crossings.add(simulation.time(), 2 * simulation.get("load.orientation.z"),
+                  simulation.get("load.angular_velocity.z"));
   });
   const double inertia = box_inertia(kContainerMass, kContainerSize)(2, 2);
   const double expected = 2 * kPi * std::sqrt(inertia * 25 / (kContainerMass * kGravity * (2.7 * 2.7 + 0.9 * 0.9)));
@@ -83,7 +87,8 @@ TEST(Ropes, SkewPeriodIsQuadrifilar) {
   EXPECT_NEAR(crossings.period() / expected, 1, 1e-5);
 }
 
-// 65 t on 1.8 MN/m: stretch m g / k = 0.354 m, heave √(k/m) / 2π = 0.838 Hz. The ropes are linear while they are taut, so both are exact.
+// 65 t on 1.8 MN/m: stretch m g / k = 0.354 m, heave √(k/m) / 2π = 0.838 Hz. The ropes are linear while they are taut,
+// so both are exact.
 TEST(Ropes, StretchAndHeaveAreThoseOfASpring) {
   const double mass = 65000, stiffness = 1.8e6;
   Scene scene;
@@ -126,8 +131,9 @@ Scene trolley_scene() {
   return scene;
 }
 
-// In the frame of a trolley with acceleration a, gravity leans back by atan(a/g): a load released there stays there, 3.50° at 0.6 m/s².
-// What the drive puts in is then exactly the kinetic energy of both and the work of pulling the load along.
+// In the frame of a trolley with acceleration a, gravity leans back by atan(a/g): a load released there stays there,
+// 3.50° at 0.6 m/s². What the drive puts in is then exactly the kinetic energy of both and the work of pulling the
+// load along.
 TEST(Ropes, LoadLagsBehindAnAcceleratingTrolley) {
   const double acceleration = 0.6, lag = std::atan(acceleration / kGravity);
   EXPECT_NEAR(lag * 180 / kPi, 3.50, 5e-3);
@@ -156,8 +162,8 @@ TEST(Ropes, LoadLagsBehindAnAcceleratingTrolley) {
 }
 
 // A move without jerk limit, from rest to rest: sway left after one ramp 2 (a/g) |sin(ω t_a/2)|, after the whole
-// move 4 (a/g) |sin(ω t_a/2) · sin(ω (t_c + t_a)/2)|, both as angles for small ones: the pendulum's own amplitude factor
-// at 4° changes ω by 3e-4 and the angle by some 1e-3 of it.
+// move 4 (a/g) |sin(ω t_a/2) · sin(ω (t_c + t_a)/2)|, both as angles for small ones: the pendulum's own amplitude
+// factor at 4° changes ω by 3e-4 and the angle by some 1e-3 of it.
 TEST(Ropes, SwayLeftByATrolleyMove) {
   const double acceleration = 0.3, ramp = 4, cruise = 3, length = 25;
   const double omega = std::sqrt(kGravity / length);

@@ -79,7 +79,8 @@ Simulation::Simulation(const crane_models::Scene& scene, const contact_nn::Conta
 
 ValueReference Simulation::reference(const std::string& name) const {
   const auto& variables = engine_->variables();
-  const auto found = std::find_if(variables.begin(), variables.end(), [&](const Variable& v) { return v.name == name; });
+  const auto found =
+      std::find_if(variables.begin(), variables.end(), [&](const Variable& v) { return v.name == name; });
   if (found == variables.end()) throw std::invalid_argument("no variable " + name);
   return static_cast<ValueReference>(found - variables.begin());
 }

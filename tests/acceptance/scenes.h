@@ -30,8 +30,8 @@ crane_models::Body ground();
 // Appends a body, a frame of the same name at its origin, and contact pairs with all bodies so far that have boxes.
 void add_body(crane_models::Scene& scene, const crane_models::Body& body);
 
-// A uniform container on four parallel vertical ropes, from points at z = 0 of the world or of the body `upper`. At rest the
-// stretched ropes are `length` long. With a `drive` its value is the rest length.
+// A uniform container on four parallel vertical ropes, from points at z = 0 of the world or of the body `upper`. At
+// rest the stretched ropes are `length` long. With a `drive` its value is the rest length.
 struct Hoist {
   double length = 25;      // [m]
   double half_x = 2.5, half_y = 0.8;  // half the rectangle of the ropes, above and below alike [m]
@@ -52,7 +52,9 @@ class Simulation {
 
   double get(const std::string& name) const { return engine_->get(reference(name)); }
   void set(const std::string& name, double value) { engine_->set(reference(name), value); }
-  Eigen::Vector3d vector(const std::string& name) const { return {get(name + ".x"), get(name + ".y"), get(name + ".z")}; }
+  Eigen::Vector3d vector(const std::string& name) const {
+    return {get(name + ".x"), get(name + ".y"), get(name + ".z")};
+  }
   Eigen::Quaterniond quaternion(const std::string& name) const {
     return {get(name + ".w"), get(name + ".x"), get(name + ".y"), get(name + ".z")};
   }

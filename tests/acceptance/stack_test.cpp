@@ -21,8 +21,9 @@ crane_models::Scene stack(double stiffness) {
   return scene;
 }
 
-// The offsets lean the stack by parts of a milliradian, into which it settles by rocking for some ten seconds: it starts upright. Then it
-// stands: within 0.1 mm for 60 s. What is left is the creep of friction under that lean, v_t0 tan(lean)/μ, a micron per second.
+// The offsets lean the stack by parts of a milliradian, into which it settles by rocking for some ten seconds: it
+// starts upright. Then it stands: within 0.1 mm for 60 s. What is left is the creep of friction under that lean, v_t0
+// tan(lean)/μ, a micron per second.
 TEST(Stack, OfFiveOffsetContainersRests) {
   const contact_nn::ContactSettings contact = exact_contact();
   Simulation simulation(stack(contact.stiffness), contact, 1e-6);

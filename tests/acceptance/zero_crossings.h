@@ -5,8 +5,8 @@
 
 namespace quayside::harness {
 
-// Cubic Hermite interpolation between the samples, from values and rates: its error, h⁴/384 times the fourth derivative, is
-// 1e-12 of the amplitude for a pendulum of 10 s sampled every 10 ms.
+// Cubic Hermite interpolation between the samples, from values and rates: its error, h⁴/384 times the fourth
+// derivative, is 1e-12 of the amplitude for a pendulum of 10 s sampled every 10 ms.
 class ZeroCrossings {
  public:
   void add(double time, double value, double rate) {

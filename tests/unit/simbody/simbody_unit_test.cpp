@@ -13,8 +13,8 @@ using crane_models::Scene;
 
 constexpr double kRopeStiffness = 13e6;  // of all four [N/m]
 
-// A container in twistlocks under a spreader on ropes, driven by hoist and trolley, 0.3 m above the ground: every kind of joint, force and
-// input that a landing has.
+// A container in twistlocks under a spreader on ropes, driven by hoist and trolley, 0.3 m above the ground: every kind
+// of joint, force and input that a landing has.
 Scene landing_scene() {
   Scene scene;
   scene.drives.push_back({"hoist", "m", "rest length", 0, -1, 1, 0.5});
@@ -67,8 +67,8 @@ Scene landing_scene() {
   return scene;
 }
 
-// Lowers at 0.25 m/s with a moving trolley, brakes 0.25 s after landing, opens the twistlocks another second later, as a script would. Ramps
-// are given by acceleration alone.
+// Lowers at 0.25 m/s with a moving trolley, brakes 0.25 s after landing, opens the twistlocks another second later, as
+// a script would. Ramps are given by acceleration alone.
 void land(Simulation& simulation, double step, double end) {
   const auto drive = [&](double hoist, double trolley) {
     simulation.set("hoist.acceleration", hoist);
@@ -109,7 +109,8 @@ Scene corner_landing() {
   return scene;
 }
 
-// The ledger with drives, driven joint, rope damping, locks that open, contact with friction: 1e-5 of the largest exchange at 1e-8.
+// The ledger with drives, driven joint, rope damping, locks that open, contact with friction: 1e-5 of the largest
+// exchange at 1e-8.
 TEST(SimbodyUnit, LedgerClosesInALandingWithEverything) {
   Simulation simulation(landing_scene(), exact_contact(), 1e-8);
   land(simulation, 0.01, 5);
@@ -124,13 +125,14 @@ TEST(SimbodyUnit, LedgerClosesInALandingWithEverything) {
     EXPECT_GE(event.time, last);
     last = event.time;
   }
-  for (const EventKind kind : {EventKind::contact_made, EventKind::landed, EventKind::rope_slack, EventKind::lock_opened}) {
+  for (const EventKind kind :
+       {EventKind::contact_made, EventKind::landed, EventKind::rope_slack, EventKind::lock_opened}) {
     EXPECT_NE(std::find(kinds.begin(), kinds.end(), kind), kinds.end()) << to_string(kind);
   }
 }
 
-// The integrator's steps do not know the communication steps: what differs is where events of drives cut, which is at the same
-// times here, so only rounding is left.
+// The integrator's steps do not know the communication steps: what differs is where events of drives cut, which is at
+// the same times here, so only rounding is left.
 TEST(SimbodyUnit, ResultDoesNotDependOnTheCommunicationStep) {
   std::vector<double> reference;
   for (const double step : {1e-1, 1e-2, 1e-3, 1e-4}) {
@@ -142,8 +144,8 @@ TEST(SimbodyUnit, ResultDoesNotDependOnTheCommunicationStep) {
   }
 }
 
-// Halting error falls with the tolerance, against 1e-10: BDF keeps the global error within some hundred times its local tolerance through
-// the impacts of a corner landing.
+// Halting error falls with the tolerance, against 1e-10: BDF keeps the global error within some hundred times its
+// local tolerance through the impacts of a corner landing.
 TEST(SimbodyUnit, ConvergesWithTheTolerance) {
   const auto end = [](double tolerance) {
     Simulation simulation(corner_landing(), exact_contact(), tolerance);
@@ -176,14 +178,16 @@ TEST(SimbodyUnit, StepsOverNoContact) {
     double lowest = 1;
     simulation.run_to(6, 1, [&] { lowest = std::min(lowest, simulation.get("box.position.z")); });
     EXPECT_GT(lowest, 0);
-    // Touched after √(2 h / g); the trajectory up to there is a parabola, exact for order two and more, but for the start.
+    // Touched after √(2 h / g); the trajectory up to there is a parabola, exact for order two and more, but for the
+    // start.
     const auto events = simulation.engine().take_events();
     ASSERT_FALSE(events.empty());
     EXPECT_NEAR(seconds(events[0].time), std::sqrt(2 * (40 - 0.15) / kGravity), 2 * tolerance + 1e-6);
   }
 }
 
-// A run that saves goes on as the run that is restored from it later: the same bits, in the same unit and in another one.
+// A run that saves goes on as the run that is restored from it later: the same bits, in the same unit and in another
+// one.
 TEST(SimbodyUnit, RestoredRunsAreTheSameBits) {
   Simulation simulation(landing_scene(), exact_contact(), 1e-6);
   simulation.set("hoist.acceleration", 0.5);
@@ -249,8 +253,8 @@ TEST(SimbodyUnit, ReturnsEarlyWhenTheSwitchFlips) {
   ASSERT_FALSE(events.empty());
   EXPECT_EQ(events.back().kind, EventKind::landed);
   EXPECT_EQ(events.back().time, result.time);
-  // The force at that time is the threshold, raised by the switch's dead band of 1 %; how steeply it rises within a nanosecond
-  // does not matter.
+  // The force at that time is the threshold, raised by the switch's dead band of 1 %; how steeply it rises within a
+  // nanosecond does not matter.
   EXPECT_NEAR(simulation.get("contact.ground.box.force"), 1.01 * 5e4, 0.1 * 5e4);
   EXPECT_THROW(engine.do_step(0, 1), std::invalid_argument);  // not from where the unit is
   EXPECT_EQ(engine.do_step(result.time, 1).time, result.time + 1);
@@ -273,8 +277,8 @@ TEST(SimbodyUnit, DrivesMayBeSetAtEveryPoint) {
   EXPECT_EQ(once.engine().statistics().steps, always.engine().statistics().steps);
 }
 
-// Where an input changes, the integrator has run ahead under the old one; it goes back. A step in the hoist's acceleration acts
-// from its time on: the load, on stiff ropes, follows x = ½ a t² from there.
+// Where an input changes, the integrator has run ahead under the old one; it goes back. A step in the hoist's
+// acceleration acts from its time on: the load, on stiff ropes, follows x = ½ a t² from there.
 TEST(SimbodyUnit, GoesBackToWhereAnInputChanges) {
   Scene scene;
   scene.drives.push_back({"hoist", "m", "rest length", 0, -1, 1, 0.5});
@@ -358,7 +362,8 @@ TEST(SimbodyUnit, FailsInWordsWhenARopeIsSpent) {
     FAIL() << "a rope of negative length";
   } catch (const StepFailed& failure) {
     EXPECT_NE(std::string(failure.what()).find("rope0 is hoisted in to its end"), std::string::npos) << failure.what();
-    EXPECT_NEAR(seconds(failure.time), 9.95 - 0.023, 0.003);  // 5 cm are too short; the stretch of 23 mm is not rest length
+    // 5 cm are too short; the stretch of 23 mm is not rest length.
+    EXPECT_NEAR(seconds(failure.time), 9.95 - 0.023, 0.003);
   }
 }
 

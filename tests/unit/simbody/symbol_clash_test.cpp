@@ -1,5 +1,5 @@
-// Simbody carries an older SUNDIALS for its own CPODES, under the same function names as ours. Both have to work in one process, in
-// turn and with the right answers; linked carelessly, one of them calls into the other and crashes.
+// Simbody carries an older SUNDIALS for its own CPODES, under the same function names as ours. Both have to work in
+// one process, in turn and with the right answers; linked carelessly, one of them calls into the other and crashes.
 #include <cmath>
 
 #include <gtest/gtest.h>
