@@ -196,8 +196,8 @@ bool Engine::change_drive(std::size_t index) {
   return true;
 }
 
-// Energy that jumps is booked: what an opening lock held is lost, and whoever closes a strained lock or moves a drive at
-// one stroke has put it in.
+// Energy that jumps is booked: what an opening lock held is lost, and whoever closes a strained lock or moves a drive
+// at one stroke has put it in.
 void Engine::apply_inputs() {
   if (std::none_of(input_is_set_.begin(), input_is_set_.end(), [](char set) { return set; })) return;
   bool changed = false;
@@ -327,11 +327,12 @@ void Engine::rewind(const Point& point) {
   reactions_ = point.reactions;
 }
 
-// One step of MuJoCo's Runge-Kutta method from `point_`, where the unit stands evaluated, and the evaluation at its end.
+// One step of MuJoCo's Runge-Kutta method from `point_`, where the unit stands evaluated, and the evaluation at its
+// end.
 //
-// The work of a drive at a joint: its rate is linear in time, v = v_m + a (t − t_m) about the middle of the step, so that
-// ∫ F v dt = v_m J + a h² (F₁ − F₀)/12 + O(h⁵). The impulse J is what the armature was held back by: with the force
-// armature × a it would have gained a h.
+// The work of a drive at a joint: its rate is linear in time, v = v_m + a (t − t_m) about the middle of the step, so
+// that ∫ F v dt = v_m J + a h² (F₁ − F₀)/12 + O(h⁵). The impulse J is what the armature was held back by: with the
+// force armature × a it would have gained a h.
 void Engine::advance(Time step) {
   mjModel* m = model_.model();
   mjData* d = model_.data();
@@ -385,12 +386,13 @@ Time Engine::next_step(Time end) const {
   return std::max<Time>(1, static_cast<Time>(static_cast<double>(left) / parts));
 }
 
-// Steps end on whole nanoseconds, the last one exactly at the communication time. An event is located by taking the step
-// again with other lengths, so that what is seen at a time within the step is as exact as its end.
+// Steps end on whole nanoseconds, the last one exactly at the communication time. An event is located by taking the
+// step again with other lengths, so that what is seen at a time within the step is as exact as its end.
 StepResult Engine::do_step(Time now, Time step) {
   demand(Mode::step, "a step");
   if (now != time_ || step <= 0) {
-    throw std::invalid_argument(fmt::format("{}: a step of {} ns from {} ns, but the unit is at {} ns", name_, step, now, time_));
+    throw std::invalid_argument(
+        fmt::format("{}: a step of {} ns from {} ns, but the unit is at {} ns", name_, step, now, time_));
   }
   const Time end = now + step;
   try {
@@ -405,11 +407,11 @@ StepResult Engine::do_step(Time now, Time step) {
       ++statistics_.steps;
       const auto flip = monitor_.advance(begin_, end_, sample_at_);
       const Time reached = flip ? std::clamp(*flip, point_.time, aim) : aim;
-      if (reached != time_) {
+      if (reached != time_) {  // where the search for an event left the unit
         rewind(point_);
         advance_to(reached);
-        fill(end_);
       }
+      if (reached != aim) fill(end_);
       std::swap(begin_, end_);
       update_ledger();
       if (flip) {

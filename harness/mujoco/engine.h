@@ -1,5 +1,5 @@
-// What both MuJoCo engines share: life cycle, inputs and outputs, stepping, events, energy. Where forces come from is left
-// to `SameLawEngine` and `NativeEngine`.
+// What both MuJoCo engines share: life cycle, inputs and outputs, stepping, events, energy. Where forces come from is
+// left to `SameLawEngine` and `NativeEngine`.
 #pragma once
 
 #include <memory>

@@ -1,6 +1,6 @@
-// MuJoCo reports errors, warnings and passive forces through functions that are global to the process. Here they are bound
-// to the call that runs on this thread, so that several models in one process do not disturb each other, nothing exits
-// the process and nothing writes a log into the working directory.
+// MuJoCo reports errors, warnings and passive forces through functions that are global to the process. Here they are
+// bound to the call that runs on this thread, so that several models in one process do not disturb each other, nothing
+// exits the process and nothing writes a log into the working directory.
 #pragma once
 
 #include <csetjmp>
@@ -49,8 +49,9 @@ Call*& current_call();
 
 }  // namespace detail
 
-// Runs `function`, which calls MuJoCo; a ProcessHooks must live. `law` acts on `data` alone. Throws MujocoError, or what the law threw.
-// An error leaves by longjmp: `function` and what it calls up to MuJoCo must hold no objects with destructors.
+// Runs `function`, which calls MuJoCo; a ProcessHooks must live. `law` acts on `data` alone. Throws MujocoError, or
+// what the law threw. An error leaves by longjmp: `function` and what it calls up to MuJoCo must hold no objects with
+// destructors.
 template <typename Function>
 void guarded(PassiveLaw* law, const mjData* data, const Function& function) {
   detail::Call call;

@@ -21,8 +21,8 @@ using crane_models::Pose;
 using crane_models::Scene;
 using tinyxml2::XMLElement;
 
-// The armature of a driven joint over the inertia of everything that moves. Larger follows the drive closer; smaller keeps
-// more digits of the force: 1e-7 and 1e-9 at this value.
+// The armature of a driven joint over the inertia of everything that moves. Larger follows the drive closer; smaller
+// keeps more digits of the force: 1e-7 and 1e-9 at this value.
 constexpr double kDriveInertiaRatio = 1e7;
 
 // A level static box counts as a plane for boxes whose diagonal goes this often into its length and width.
@@ -54,7 +54,9 @@ std::string quaternion_text(const Eigen::Matrix3d& R) {
   return fmt::format("{} {} {} {}", q.w(), q.x(), q.y(), q.z());
 }
 
-void set(XMLElement* element, const char* name, const std::string& value) { element->SetAttribute(name, value.c_str()); }
+void set(XMLElement* element, const char* name, const std::string& value) {
+  element->SetAttribute(name, value.c_str());
+}
 
 void set_reference(XMLElement* element, const char* solref, const char* solimp, const std::vector<SolverReference>& all,
                    std::size_t index) {
@@ -216,9 +218,9 @@ class Writer {
     plane->SetAttribute("rgba", "0.5 0.5 0.5 0");
   }
 
-  // MuJoCo's box collider (2.2.2) errs where edges of two boxes lie in one line, as those of stacked containers do: contacts
-  // beside a box, and some that are metres deep, blows of 100 MN. So every box is a little shorter and narrower than the
-  // boxes of its size before it.
+  // MuJoCo's box collider (2.2.2) errs where edges of two boxes lie in one line, as those of stacked containers do:
+  // contacts beside a box, and some that are metres deep, blows of 100 MN. So every box is a little shorter and
+  // narrower than the boxes of its size before it.
   Eigen::Vector3d contact_half(int index, int box) const {
     const Eigen::Vector3d& half = scene_.bodies[index].boxes[box].half;
     int before = 0;

@@ -23,8 +23,8 @@ struct SolverReference {
   double damping = 0;    // C·A·(1 − d) [1/s]
 };
 
-// Constant impedance d: the smallest that MuJoCo takes. A constraint with it is a spring and a damper that add the mass d/A
-// to what they hold.
+// Constant impedance d: the smallest that MuJoCo takes. A constraint with it is a spring and a damper that add the mass
+// d/A to what they hold.
 constexpr double kImpedance = 1e-4;
 
 struct MjcfOptions {
@@ -46,9 +46,9 @@ struct StartCoordinates {
 };
 std::vector<StartCoordinates> start_coordinates(const crane_models::Scene& scene);
 
-// Inertia added to a driven joint [kg or kg m²]. With it and the force armature × acceleration the joint follows its drive
-// within 1e-7 of the acceleration that its load would cause, at every stage of the integrator, and what it deviates
-// tells the force of the drive.
+// Inertia added to a driven joint [kg or kg m²]. With it and the force armature × acceleration the joint follows its
+// drive within 1e-7 of the acceleration that its load would cause, at every stage of the integrator, and what it
+// deviates tells the force of the drive.
 double drive_armature(const crane_models::Scene& scene, int body);
 
 // Whether the box stands still, is level and so wide against the other one that its top is a plane for it.

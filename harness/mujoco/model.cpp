@@ -19,6 +19,7 @@ constexpr char kFileName[] = "scene.xml";
 }  // namespace
 
 ModelPointer compile(const std::string& mjcf) {
+  const ProcessHooks hooks;
   static std::mutex parser;  // MuJoCo keeps the last parsed model in one place
   const std::lock_guard<std::mutex> lock(parser);
   const auto vfs = std::make_unique<mjVFS>();

@@ -27,7 +27,7 @@ ModelPointer compile(const std::string& mjcf);
 
 class Model {
  public:
-  // The scene must outlive this object.
+  // The scene must outlive this object; a ProcessHooks must live.
   Model(const crane_models::Scene& scene, const std::string& mjcf);
 
   mjModel* model() const { return model_.get(); }

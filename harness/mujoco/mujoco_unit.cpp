@@ -6,7 +6,8 @@
 namespace quayside::harness {
 
 std::unique_ptr<EngineUnit> make_mujoco_engine(bool same_law, const crane_models::Scene& scene,
-                                               const contact_nn::ContactSettings& contact, const SolverSettings& solver) {
+                                               const contact_nn::ContactSettings& contact,
+                                               const SolverSettings& solver) {
   if (same_law) return std::make_unique<mujoco::SameLawEngine>(scene, contact, solver);
   return std::make_unique<mujoco::NativeEngine>(scene, contact, solver);
 }

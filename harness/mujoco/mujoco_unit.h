@@ -13,6 +13,7 @@ namespace quayside::harness {
 
 // Throws std::invalid_argument for a scene or settings that cannot be built, with what to change.
 std::unique_ptr<EngineUnit> make_mujoco_engine(bool same_law, const crane_models::Scene& scene,
-                                               const contact_nn::ContactSettings& contact, const SolverSettings& solver);
+                                               const contact_nn::ContactSettings& contact,
+                                               const SolverSettings& solver);
 
 }  // namespace quayside::harness

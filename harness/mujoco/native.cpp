@@ -10,8 +10,8 @@
 namespace quayside::harness::mujoco {
 namespace {
 
-// The stages of the classical Runge-Kutta method after the first stand at ½, ½ and 1 of the step with the weights 2, 2, 1:
-// their mean time, so that what is held constant over them acts as if it moved.
+// The stages of the classical Runge-Kutta method after the first stand at ½, ½ and 1 of the step with the weights 2, 2,
+// 1: their mean time, so that what is held constant over them acts as if it moved.
 constexpr double kMeanOfLaterStages = 0.6;
 
 // The geometry of contacts as our own modules see it, for events and time to contact; the forces are MuJoCo's.
@@ -148,8 +148,8 @@ void NativeEngine::read_contacts() {
   }
 }
 
-// Of every row of locks and contacts: the spring in its force, f = −D K I r, the energy of that spring, and the power that
-// the rest of the force takes. Rows of friction have no spring.
+// Of every row of locks and contacts: the spring in its force, f = −D K I r, the energy of that spring, and the power
+// that the rest of the force takes. Rows of friction have no spring.
 void NativeEngine::read_energy() {
   const mjData* d = model_.data();
   for (int i = 0; i < d->nefc; ++i) {

@@ -7,10 +7,12 @@
 namespace quayside::harness::mujoco {
 
 // Parameters as of `native_options`. Rest lengths are set at the begin of each step and, for the other stages, at their
-// mean time. A tendon's damper does not know the rate of its limit; with the limit at L0 + damping_time · L̇0 the tension
-// K (l − limit) + C l̇ is K (l − L0) + C (l̇ − L̇0), as it should be.
+// mean time. A tendon's damper does not know the rate of its limit; with the limit at L0 + damping_time · L̇0 the
+// tension K (l − limit) + C l̇ is K (l − L0) + C (l̇ − L̇0), as it should be.
 //
-// Contacts that geometry does not allow (see phantom.h) are counted at every evaluation and left in.
+// Contacts that geometry does not allow (see phantom.h) are counted at every evaluation and left in. Between level boxes
+// the 2.2.2 collider sometimes takes a pair of crossing edges for the contact, one point of the whole depth, instead of
+// the faces, four points of half of it: stacks rattle by that while they settle.
 //
 // The energy ledger counts what is known of MuJoCo's forces: ropes by their true stretch; locks and contacts as springs
 // by their violation, and as dissipated what the rest of each force takes. It is summed by the trapezoidal rule; a

@@ -27,7 +27,9 @@ std::pair<int, double> nearest_axis(const Eigen::Matrix3d& R, const Eigen::Vecto
   return {axis, along[axis] < 0 ? -1.0 : 1.0};
 }
 
-double face_area(const Eigen::Vector3d& half, int normal) { return 4 * half[(normal + 1) % 3] * half[(normal + 2) % 3]; }
+double face_area(const Eigen::Vector3d& half, int normal) {
+  return 4 * half[(normal + 1) % 3] * half[(normal + 2) % 3];
+}
 
 Eigen::Matrix3d rotation_at_start(const Scene& scene, int body, int box) {
   return scene.bodies[body].X_WB.linear() * scene.bodies[body].boxes[box].X_BG.linear();
@@ -38,13 +40,15 @@ std::string quaternion_text(const Eigen::Quaterniond& q) {
 }
 
 std::string box_text(const char* name, const Eigen::Vector3d& half, double height, const Eigen::Quaterniond& q) {
-  return fmt::format(R"(<geom name="{}" type="box" size="{} {} {}" pos="0 0 {}" quat="{}" mass="1" contype="0" conaffinity="0"/>)", name, half.x(),
-                     half.y(), half.z(), height, quaternion_text(q));
+  return fmt::format(R"(<geom name="{}" type="box" size="{} {} {}" pos="0 0 {}" quat="{}" mass="1" contype="0")"
+                     R"( conaffinity="0"/>)",
+                     name, half.x(), half.y(), half.z(), height, quaternion_text(q));
 }
 
 }  // namespace
 
 FlatContact press_flat(const Scene& scene, const crane_models::ContactPair& pair) {
+  const ProcessHooks hooks;
   const Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
   const Eigen::Vector3d half_a = scene.bodies[pair.body_a].boxes[pair.box_a].half;
   const Eigen::Vector3d half_b = scene.bodies[pair.body_b].boxes[pair.box_b].half;
@@ -65,7 +69,8 @@ FlatContact press_flat(const Scene& scene, const crane_models::ContactPair& pair
   const std::string above = b_plane ? box_text("above", half_a, half_a[normal_a] - kPressedDepth, q_a)
                                     : box_text("above", half_b, half_b[normal_b] - kPressedDepth, q_b);
   const ModelPointer model = compile(fmt::format(
-      R"(<mujoco><worldbody>{}<body><freejoint/>{}</body></worldbody><contact><pair geom1="below" geom2="above"/></contact></mujoco>)",
+      R"(<mujoco><worldbody>{}<body><freejoint/>{}</body></worldbody>)"
+      R"(<contact><pair geom1="below" geom2="above"/></contact></mujoco>)",
       below, above));
   mjData* data = nullptr;
   guarded([&] { data = mj_makeData(model.get()); });
@@ -110,6 +115,7 @@ double inverse_mass(const mjModel* model, int body_a, int body_b) {
 }
 
 MjcfOptions native_options(const Scene& scene, const contact_nn::ContactSettings& contact) {
+  const ProcessHooks hooks;
   MjcfOptions options;
   options.friction = contact.friction;
   // The inverse masses are MuJoCo's own, so the model is made once without the parameters that they are for.

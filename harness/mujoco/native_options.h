@@ -1,8 +1,8 @@
 // Our physical parameters in MuJoCo's terms.
 //
-// A constraint of MuJoCo with constant impedance d and solref = (−k, −b) exerts the force (k r + b ṙ)/(A (1 − d)) for the
-// violation r, as if its two sides had the inverse mass A, and adds an inertia of d/(A (1 − d)) between them. A is a
-// constant of the model: `tendon_invweight0`, or the sum of the two bodies' `body_invweight0`. So k = K A (1 − d) and
+// A constraint of MuJoCo with constant impedance d and solref = (−k, −b) exerts the force (k r + b ṙ)/(A (1 − d)) for
+// the violation r, as if its two sides had the inverse mass A, and adds an inertia of d/(A (1 − d)) between them. A is
+// a constant of the model: `tendon_invweight0`, or the sum of the two bodies' `body_invweight0`. So k = K A (1 − d) and
 // b = C A (1 − d) make it a spring of stiffness K and a damper C, and a small d makes the inertia negligible.
 #pragma once
 
@@ -23,7 +23,8 @@ struct FlatContact {
   double reported_depth = 1;  // mean reported depth over the true one: the 2.2.2 collider of two boxes reports half
 };
 
-// The two boxes turned against each other as at the start, but level and centred, as if the one had landed on the other.
+// The two boxes turned against each other as at the start, but level and centred, as if the one had landed on the
+// other.
 FlatContact press_flat(const crane_models::Scene& scene, const crane_models::ContactPair& pair);
 
 // Damping ratio of a linear spring and damper without pull that leaves with `restitution` times the speed it came with:
@@ -39,11 +40,11 @@ double inverse_mass(const mjModel* model, int body_a, int body_b);
 //
 //   ropes      K = EA/L0 and C as they are at the start
 //   locks      K and C per pin
-//   contacts   the flat stiffness of the pair's faces (see contact law) split over the points that MuJoCo finds, so that
-//              the whole contact has it; damping likewise, for the restitution at a full flat hit
-//   friction   MuJoCo's friction sticks like a damper of impratio × C. It is made to creep as ours does under the weight
-//              of the heaviest pair: impratio = μ m g/(C v_t), one number for the whole model. With restitution 1
-//              there is no damper to make friction of: a damping ratio of `kLeastDampingRatio` is then used
+//   contacts   the flat stiffness of the pair's faces (see contact law) split over the points that MuJoCo finds, so
+//              that the whole contact has it; damping likewise, for the restitution at a full flat hit
+//   friction   MuJoCo's friction sticks like a damper of impratio × C. It is made to creep as ours does under the
+//              weight of the heaviest pair: impratio = μ m g/(C v_t), one number for the whole model. With restitution
+//              1 there is no damper to make friction of: a damping ratio of `kLeastDampingRatio` is then used
 MjcfOptions native_options(const crane_models::Scene& scene, const contact_nn::ContactSettings& contact);
 
 constexpr double kLeastDampingRatio = 0.01;

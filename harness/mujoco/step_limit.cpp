@@ -13,8 +13,8 @@ namespace {
 using crane_models::JointType;
 using crane_models::kWorld;
 
-// A body's fastest mode over the square root of (stiffness that acts on it / its mass): ends of a uniform bar swing at √3
-// of its heave; two bodies against each other at √2.
+// A body's fastest mode over the square root of (stiffness that acts on it / its mass): ends of a uniform bar swing at
+// √3 of its heave; two bodies against each other at √2.
 constexpr double kModeFactor = 3;
 constexpr double kLeastPhase = 0.01, kMostPhase = 0.5;  // [rad] per step
 constexpr double kLockPhaseOverPhase = 3;

@@ -9,18 +9,18 @@
 
 namespace quayside::harness::mujoco {
 
-// Stiffness of a flat contact of two boxes [N/m]: that of the reference area under the law `points`; under `potential` it
-// grows with the fourth root of the area, here the smaller box's largest face.
+// Stiffness of a flat contact of two boxes [N/m]: that of the reference area under the law `points`; under `potential`
+// it grows with the fourth root of the area, here the smaller box's largest face.
 double flat_stiffness(const crane_models::Scene& scene, const crane_models::ContactPair& pair,
                       const contact_nn::ContactSettings& contact);
 
-// With ω² or λ the frequency or rate that a group of springs, dampers or friction gives to a body, bounded by the sum of
-// what acts on it over its mass times `kModeFactor`, the step is the least of
+// With ω² or λ the frequency or rate that a group of springs, dampers or friction gives to a body, bounded by the sum
+// of what acts on it over its mass times `kModeFactor`, the step is the least of
 //
 //   ropes, contacts   ω h ≤ (120 ε)^¼      relative error of RK4 per radian: (ω h)⁴/120
 //   locks             three times that     their vibrations are small and die soon
 //   dampers           λ h ≤ 1              RK4 is stable up to 2.78
-//   friction          λ h ≤ 1, λ = μ N/(m v_t), N the normal force at the end of the step at the present approach
+//   friction          λ h ≤ 2, λ = μ N/(m v_t), N the normal force at the end of the step at the present approach
 //   rotation          |ω|³ h² ≤ 12 ε       MuJoCo's RK4 is of order two in the rotation of bodies that tumble
 //   flight            no pair that is apart sinks deeper than `kDepthOfArrival` (but no less than the contact step)
 //

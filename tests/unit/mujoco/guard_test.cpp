@@ -10,7 +10,8 @@ namespace quayside::harness::mujoco {
 namespace {
 
 constexpr char kPoint[] =
-    "<mujoco><worldbody><body><freejoint/><inertial pos='0 0 0' mass='2' diaginertia='1 1 1'/></body></worldbody></mujoco>";
+    "<mujoco><worldbody><body><freejoint/><inertial pos='0 0 0' mass='2' diaginertia='1 1 1'/></body></worldbody>"
+    "</mujoco>";
 
 TEST(Guard, ErrorsAndWarningsBecomeExceptionsWithTheirWords) {
   const ProcessHooks hooks;

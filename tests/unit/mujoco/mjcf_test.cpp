@@ -31,7 +31,8 @@ Scene chain() {
   for (const auto& [type, drive] : joints) {
     Body body = box_body("link " + std::to_string(seed), 10.0 * seed, {1, 2, 3}, {0, 0, 0});
     body.p_BBcm = {0.1, -0.2, 0.3};
-    body.joint = {type, static_cast<int>(scene.bodies.size()) - 1, random_pose(10 + seed), random_pose(20 + seed), drive, 0};
+    const int parent = static_cast<int>(scene.bodies.size()) - 1;
+    body.joint = {type, parent, random_pose(10 + seed), random_pose(20 + seed), drive, 0};
     Pose X_FM = Pose::Identity();
     if (type == JointType::slider) X_FM.translation().x() = 0.7;
     if (type == JointType::hinge) X_FM.linear() = Eigen::AngleAxisd(0.3, Eigen::Vector3d::UnitZ()).toRotationMatrix();

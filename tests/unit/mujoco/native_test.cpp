@@ -51,8 +51,8 @@ TEST(Native, PeakForceOfAFlatLanding) {
   EXPECT_NEAR(peak_force(*unit), expected, 4e-4 * expected);
 }
 
-// The same between two containers, where the 2.2.2 collider reports half the depth: the parameters make up for it. The exactly aligned
-// faces meet in four points.
+// The same between two containers, where the 2.2.2 collider reports half the depth: the parameters make up for it. The
+// exactly aligned faces meet in four points.
 TEST(Native, PeakForceOnAContainer) {
   Scene scene = landing(0.5);
   scene.bodies[0].boxes[0] = {0.5 * kContainer, Pose(Eigen::Translation3d(0, 0, -0.5 * kContainer.z())), ""};
@@ -64,8 +64,8 @@ TEST(Native, PeakForceOnAContainer) {
   EXPECT_NEAR(peak_force(*unit), expected, 4e-4 * expected);
 }
 
-// Without gravity the rebound is the restitution times the approach. The damping force C v = 2 ζ ω m v starts at the touch,
-// somewhere in a step: an error of up to ζ ω h of the speed, 0.7 % at ζ = 0.36 and ω h = 0.019.
+// Without gravity the rebound is the restitution times the approach. The damping force C v = 2 ζ ω m v starts at the
+// touch, somewhere in a step: an error of up to ζ ω h of the speed, 0.7 % at ζ = 0.36 and ω h = 0.019.
 TEST(Native, Restitution) {
   for (const double restitution : {0.3, 0.7}) {
     Scene scene = landing(0.5);
@@ -122,8 +122,8 @@ TEST(Native, RopeStretch) {
   EXPECT_NEAR(get(*unit, "rope.0.tension"), 40e3 * kGravity / 4, 1e-6 * 40e3 * kGravity / 4);
 }
 
-// Trolley and hoist driving: the same ropes in MuJoCo's terms. The constraint's inertia, 1e-4 of the load's, shifts heave by 5e-5 of
-// its amplitude of centimetres; sway does not feel it.
+// Trolley and hoist driving: the same ropes in MuJoCo's terms. The constraint's inertia, 1e-4 of the load's, shifts
+// heave by 5e-5 of its amplitude of centimetres; sway does not feel it.
 TEST(Native, RopesAgreeWithOurLaw) {
   Eigen::Vector3d position[2];
   for (const bool same : {false, true}) {
@@ -137,6 +137,24 @@ TEST(Native, RopesAgreeWithOurLaw) {
     EXPECT_LT(std::abs(energy.residual()), 1e-4 * energy.largest_exchange);
   }
   EXPECT_LT((position[0] - position[1]).norm(), 5e-5);
+}
+
+// A linear contact with damping begins with the force C v: the switch flips in the nanosecond of the touch, and the
+// events have that time, whatever the length of the step they fell into.
+TEST(Native, TouchAndLandingAreOneEvent) {
+  Scene scene = landing(0);
+  scene.bodies[1].X_WB.translation().z() += 0.05;
+  scene.landed_switches.push_back({"landed", {1}, 0.1 * kMass * kGravity});
+  const auto unit = native(scene);
+  start(*unit);
+  const StepResult result = unit->do_step(0, 150 * kMillisecond);
+  const double touch = std::sqrt(2 * 0.05 / kGravity);
+  EXPECT_TRUE(result.event);
+  EXPECT_NEAR(seconds(result.time), touch, 5e-9);
+  unit->do_step(result.time, kMillisecond);
+  const auto events = unit->take_events();
+  ASSERT_EQ(events.size(), 2u);
+  for (const Event& event : events) EXPECT_NEAR(seconds(event.time), touch, 5e-9);
 }
 
 // Lowered onto the ground the ropes go slack and stay without force.
@@ -155,7 +173,8 @@ TEST(Native, SlackRopesDoNotPush) {
   EXPECT_NEAR(get(*unit, "contact.ground.load.force"), 40e3 * kGravity, 10);
 }
 
-// A load hangs by four pins below a fixed beam: sag m g/(4 k). When they open it falls, and the ledger books ½ m g · sag.
+// A load hangs by four pins below a fixed beam: sag m g/(4 k). When they open it falls, and the ledger books ½ m g ·
+// sag.
 TEST(Native, LockHoldsAndOpens) {
   Scene scene;
   scene.commands.push_back({"twistlocks", "", true});

@@ -85,8 +85,8 @@ TEST(SameLaw, PendulumPeriod) {
   EXPECT_NEAR(get(*unit, "bar.position.x"), 0, 2e-6 * period * speed * arm);  // half a digit of the factor, as a time
 }
 
-// Heave, sway and twist of a load on four elastic ropes while trolley and hoist drive: smooth, since no rope goes slack.
-// Against a step of 0.5 ms halving the step cuts the error by 16 (by 15 to 17 with the reference's own error).
+// Heave, sway and twist of a load on four elastic ropes while trolley and hoist drive: smooth, since no rope goes
+// slack. Against a step of 0.5 ms halving the step cuts the error by 16 (by 15 to 17 with the reference's own error).
 TEST(SameLaw, ConvergesWithOrderFour) {
   const auto end = [](double h) {
     Scene scene = crane(15);
@@ -99,7 +99,8 @@ TEST(SameLaw, ConvergesWithOrderFour) {
     return get3(*unit, "load.position");
   };
   const Eigen::Vector3d exact = end(0.5e-3);
-  const double coarse = (end(8e-3) - exact).norm(), middle = (end(4e-3) - exact).norm(), fine = (end(2e-3) - exact).norm();
+  const double coarse = (end(8e-3) - exact).norm(), middle = (end(4e-3) - exact).norm();
+  const double fine = (end(2e-3) - exact).norm();
   EXPECT_GT(std::log2(coarse / middle), 3.7);
   EXPECT_GT(std::log2(middle / fine), 3.7);
   EXPECT_LT(fine, 1e-7);
@@ -117,7 +118,8 @@ TEST(SameLaw, DrivenJointsStandWhereTheirDrivesAre) {
 }
 
 TEST(SameLaw, SteadyAccelerationHoldsTheLagAngle) {
-  // A pendulum on a driven trolley that starts at tan θ = −a/g against the vertical and moves with the trolley stays there.
+  // A pendulum on a driven trolley that starts at tan θ = −a/g against the vertical and moves with the trolley stays
+  // there.
   Scene scene;
   scene.drives.push_back({"trolley", "m", "", 0, 1, 3, 1});
   auto trolley = box_body("trolley", 1000, {1, 1, 1}, {0, 0, 0});

@@ -85,7 +85,8 @@ TEST_P(MujocoUnit, InstancesDoNotDisturbEachOther) {
   EXPECT_EQ(outputs(*right), outputs(*alone));
 }
 
-// Saved at a time when the load rests on an edge: the run that goes on, the same unit restored and a new unit restored end in the same bits.
+// Saved at a time when the load rests on an edge: the run that goes on, the same unit restored and a new unit restored
+// end in the same bits.
 TEST_P(MujocoUnit, SavedRunsContinueToTheLastBit) {
   const auto unit = make_lowering();
   Time now = run(*unit, 0, 500 * kMillisecond, 10 * kMillisecond);
@@ -154,7 +155,8 @@ TEST_P(MujocoUnit, WrongUseIsRefused) {
   EXPECT_THROW(make(scene), std::invalid_argument);
 }
 
-// The hoist winds the rope away altogether: no rest length, no force. The unit says so and stands where it last was good.
+// The hoist winds the rope away altogether: no rest length, no force. The unit says so and stands where it last was
+// good.
 TEST_P(MujocoUnit, FailureLeavesTheLastGoodState) {
   const auto unit = make(crane(20));
   start(*unit);
