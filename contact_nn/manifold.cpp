@@ -3,8 +3,12 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <cstring>
 #include <limits>
+#include <type_traits>
 #include <utility>
+
+#include "contact_nn/lanes.h"
 
 namespace quayside::contact_nn {
 namespace {
@@ -24,35 +28,41 @@ double rounding(const Box& a, const Box& b, const Vector3d& p_AB) {
 
 double sign(double x) { return x < 0 ? -1 : 1; }
 
-// A corner of the incident face, moved along the normal onto the reference face: where it lands, from the face's centre, and
-// how far it had to go. All three are affine over the incident face.
-struct Corner {
-  double u, v, depth;
-};
+// A corner of the incident face, moved along the normal onto the reference face: where it lands (lanes 0 and 1, from the face's
+// centre), and how far it had to go (lane 2). All three are affine over the incident face.
+using Corner = Four;
 
-// A rectangle cut by four half-planes has at most eight corners.
+// A rectangle cut by four half-planes has at most eight corners; one more place for what is written but does not count.
 struct Corners {
   int count = 0;
-  std::array<Corner, 8> corner;
-  void add(const Corner& c) {
-    assert(count < 8);
-    corner[count++] = c;
-  }
+  std::array<Corner, 9> corner;
 };
 
-// Keeps the part where s · (u or v) ≤ limit.
-Corners clip(const Corners& in, double Corner::*coordinate, double s, double limit) {
-  Corners out;
-  for (int k = 0; k < in.count; ++k) {
-    const Corner &from = in.corner[k], &to = in.corner[k + 1 < in.count ? k + 1 : 0];
-    const double f = limit - s * from.*coordinate, next = limit - s * to.*coordinate;
-    if (f >= 0) out.add(from);
-    if ((f >= 0) != (next >= 0)) {
-      const double t = f / (f - next);
-      out.add({from.u + t * (to.u - from.u), from.v + t * (to.v - from.v), from.depth + t * (to.depth - from.depth)});
-    }
+// Keeps the part where sign · corner[lane] ≤ limit. Each corner is kept or not, and the crossing with the side behind it is kept
+// or not: both are written always and counted only if wanted, since branches that go either way cost more than the work.
+template <int lane>
+void clip(const Corners& in, double sign, double limit, Corners& out) {
+  int n = 0;
+  const int last = in.count - 1;
+  if (last < 0) {
+    out.count = 0;
+    return;
   }
-  return out;
+  const Corner* from = &in.corner[last];
+  double f = limit - sign * (*from)[lane];
+  for (int k = 0; k <= last; ++k) {
+    const Corner& to = in.corner[k];
+    const double next = limit - sign * to[lane];
+    const double t = f / (f - next);
+    out.corner[n] = *from + t * (to - *from);
+    n += (f >= 0) != (next >= 0);
+    out.corner[n] = to;
+    n += next >= 0;
+    from = &to;
+    f = next;
+  }
+  assert(n <= 8);
+  out.count = n;
 }
 
 int largest_component(const Vector3d& n) {
@@ -71,28 +81,51 @@ void face_points(const Vector3d& half_x, const Vector3d& half_y, const Pose& X_X
   const int k = largest_component(n), m = largest_component(n_Y);
   const int k_u = (k + 1) % 3, k_v = (k + 2) % 3, m_u = (m + 1) % 3, m_v = (m + 2) % 3;
   const double plane = sign(n[k]) * half_x[k];
-  const Vector3d centre = X_XY.translation() - sign(n_Y[m]) * half_y[m] * R.col(m);
-  const Vector3d u = half_y[m_u] * R.col(m_u), v = half_y[m_v] * R.col(m_v);
-  Corners corners;
-  for (const auto& [s, t] : {std::pair{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}) {
-    const Vector3d p = centre + s * u + t * v;
-    const double depth = (plane - p[k]) / n[k];
-    corners.add({p[k_u] + depth * n[k_u], p[k_v] + depth * n[k_v], depth});
-  }
-  for (const double s : {-1.0, 1.0}) {
-    corners = clip(corners, &Corner::u, s, half_x[k_u] + tolerance);
-    corners = clip(corners, &Corner::v, s, half_x[k_v] + tolerance);
-  }
-  for (int i = 0; i < corners.count; ++i) {
-    const Corner& corner = corners.corner[i];
-    const double depth = std::min(corner.depth, deepest);  // by rounding
+  // Around the incident face, as corners of the reference face: centre and half sides.
+  const double inverse = 1 / n[k];
+  const auto onto_face = [&](const Vector3d& p, double from_plane) {
+    const double depth = from_plane * inverse;
+    return four(p[k_u] + depth * n[k_u], p[k_v] + depth * n[k_v], depth);
+  };
+  const Vector3d middle = X_XY.translation() - sign(n_Y[m]) * half_y[m] * R.col(m);
+  const Vector3d side_u = half_y[m_u] * R.col(m_u), side_v = half_y[m_v] * R.col(m_v);
+  const Corner c = onto_face(middle, plane - middle[k]), u = onto_face(side_u, -side_u[k]), v = onto_face(side_v, -side_v[k]);
+  Corners first, second;
+  Corners *now = &first, *then = &second;
+  first.count = 4;
+  first.corner[0] = c - u - v;
+  first.corner[1] = c + u - v;
+  first.corner[2] = c + u + v;
+  first.corner[3] = c - u + v;
+  const double limit_u = half_x[k_u] + tolerance, limit_v = half_x[k_v] + tolerance;
+  const double reach_u = std::abs(u[0]) + std::abs(v[0]), reach_v = std::abs(u[1]) + std::abs(v[1]);
+  const auto cut = [&](auto lane, double sign, double reach, double limit) {
+    if (sign * c[lane.value] + reach <= limit) return;
+    clip<lane.value>(*now, sign, limit, *then);
+    std::swap(now, then);
+  };
+  const std::integral_constant<int, 0> lane_u;
+  const std::integral_constant<int, 1> lane_v;
+  cut(lane_u, -1, reach_u, limit_u);
+  cut(lane_v, -1, reach_v, limit_v);
+  cut(lane_u, 1, reach_u, limit_u);
+  cut(lane_v, 1, reach_v, limit_v);
+
+  // A point and its depth are affine in the corner as well: one vector, stored as it is.
+  const auto& Q = X_AX.linear();
+  const Four origin = four(X_AX.translation() + plane * Q.col(k)), along_u = four(Q.col(k_u)), along_v = four(Q.col(k_v));
+  const Vector3d half_n = -0.5 * (Q * n);
+  const Four per_depth = four(half_n[0], half_n[1], half_n[2], 1);
+  static_assert(sizeof(ManifoldPoint) == sizeof(Four), "three coordinates and the depth");
+  int count = 0;
+  for (int i = 0; i < now->count; ++i) {
+    const Corner& corner = now->corner[i];
+    const double depth = std::min(corner[2], deepest);  // by rounding
     if (depth < -margin) continue;
-    Vector3d p;
-    p[k] = plane;
-    p[k_u] = corner.u;
-    p[k_v] = corner.v;
-    manifold.points[manifold.count++] = {X_AX * (p - 0.5 * depth * n), depth};
+    const Four point = origin + corner[0] * along_u + corner[1] * along_v + depth * per_depth;
+    std::memcpy(static_cast<void*>(&manifold.points[count++]), &point, sizeof point);
   }
+  manifold.count = count;
 }
 
 // The point halfway between the two edges that look at each other along n. With o the centres of the edges along e and f,

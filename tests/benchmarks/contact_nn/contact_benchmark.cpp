@@ -49,6 +49,16 @@ void force(benchmark::State& state, Law law, bool elastic, Pose (*pose_of)()) {
     benchmark::DoNotOptimize(module->force(kContainer, kContainer, varied(X_AB, ++i), V, counters));
 }
 
+void query(benchmark::State& state, Model model, Pose (*pose_of)()) {
+  ContactSettings settings;
+  settings.model = model;
+  const auto module = make_contact_module(settings);
+  ContactCounters counters;
+  const Pose X_AB = pose_of();
+  int i = 0;
+  for (auto _ : state) benchmark::DoNotOptimize(module->query(kContainer, kContainer, varied(X_AB, ++i), counters));
+}
+
 void separation_of(benchmark::State& state, Pose (*pose_of)()) {
   const Pose X_AB = pose_of();
   int i = 0;
@@ -73,6 +83,12 @@ BENCHMARK_CAPTURE(force, points/flat, Law::points, false, flat);
 BENCHMARK_CAPTURE(force, points/aligned, Law::points, false, aligned);
 BENCHMARK_CAPTURE(force, points/corner, Law::points, false, corner);
 BENCHMARK_CAPTURE(force, points/near, Law::points, false, near_miss);
+BENCHMARK_CAPTURE(query, exact/flat, Model::exact, flat);
+BENCHMARK_CAPTURE(query, exact/aligned, Model::exact, aligned);
+BENCHMARK_CAPTURE(query, exact/corner, Model::exact, corner);
+BENCHMARK_CAPTURE(query, exact/near, Model::exact, near_miss);
+BENCHMARK_CAPTURE(query, committee/flat, Model::committee, flat);
+BENCHMARK_CAPTURE(query, committee/corner, Model::committee, corner);
 BENCHMARK_CAPTURE(separation_of, flat, flat);
 BENCHMARK_CAPTURE(possible_pieces_of, flat, flat);
 
