@@ -49,7 +49,7 @@ Engine::Engine(std::string name, const crane_models::Scene& scene, const contact
     : name_(std::move(name)), scene_(checked(scene)), forces_(scene_, std::move(laws)), model_(scene_, mjcf),
       monitor_(scene_), locks_closed_(scene_.locks.size()), drives_(scene_.drives.size()),
       motions_(scene_.bodies.size()), loads_(forces_.make_loads()), rates_(kImpulses + 3 * monitor_.groups().size()),
-      integrals_(rates_.size()), variables_(engine_variables(scene_)), output_writer_(scene_),
+      integrals_(rates_.size()), variables_(engine_variables(scene_)),
       step_limit_(scene_, contact, checked(solver)), inputs_(3 * scene_.drives.size() + scene_.commands.size()),
       input_is_set_(inputs_.size()), drive_inputs_(scene_.drives.size()),
       outputs_(variables_.size() - inputs_.size()), reactions_(model_.driven_joints().size()),
@@ -299,7 +299,7 @@ void Engine::update_ledger() {
 // What the interface shows.
 void Engine::publish() {
   update_ledger();
-  output_writer_.write(motions_, loads_, monitor_, ledger_, outputs_.data());
+  write_outputs(scene_, motions_, loads_, monitor_, ledger_, outputs_);
 }
 
 // --- Stepping -------------------------------------------------------------------------------------------------------

@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
+#include "harness/engine_outputs.h"
 #include "harness/engine_unit.h"
 #include "harness/event_monitor.h"
 #include "harness/mujoco/model.h"
-#include "harness/mujoco/outputs.h"
 #include "harness/mujoco/step_limit.h"
 #include "harness/scene_forces.h"
 
@@ -107,7 +107,6 @@ class Engine : public EngineUnit {
   void recover();
 
   const std::vector<Variable> variables_;
-  const Outputs output_writer_;
   const StepLimit step_limit_;
   EventMonitor::SampleAt sample_at_;
 

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "harness/engine_outputs.h"
 #include "harness/event_monitor.h"
 #include "harness/simbody/bdf_integrator.h"
 #include "harness/simbody/multibody_model.h"
@@ -224,7 +225,7 @@ class SimbodyUnit final : public EngineUnit {
   void fill(double t, const double* z, EventMonitor::Sample& sample) const;
   void update_ledger(const std::vector<double>& z);
   void check_depths(const EventMonitor::Sample& sample) const;
-  double frame_output(const crane_models::ReportedFrame& frame, std::size_t component) const;
+  void publish();
 
   const std::string name_ = "simbody";
   const crane_models::Scene scene_;
@@ -243,6 +244,7 @@ class SimbodyUnit final : public EngineUnit {
   std::vector<char> input_is_set_;   // since they were last applied
   std::vector<double> y_, z_;        // at time_
   std::vector<double> y_then_, z_then_;
+  std::vector<double> outputs_;
   EnergyLedger ledger_;
   double kinetic_start_ = 0, potential_start_ = 0;  // [J]
   EventMonitor::Sample begin_, end_;  // begin_: where the monitor stands
@@ -284,50 +286,18 @@ double SimbodyUnit::get(ValueReference variable) const {
   if (variable >= variables_.size()) {
     throw std::invalid_argument(fmt::format("simbody: there is no variable {}", variable));
   }
-  std::size_t i = variable;
+  const std::size_t i = variable;
   if (i < inputs_.size()) {
     if (input_is_set_[i] || i >= 3 * scene_.drives.size()) return inputs_[i];
     const DriveMotion now = model_.drive(static_cast<int>(i / 3), seconds(time_));
     return i % 3 == 0 ? now.value : i % 3 == 1 ? now.rate : now.acceleration;
   }
-  i -= inputs_.size();
-  constexpr std::size_t kFrameOutputs = 14, kRopeOutputs = 2;
-  if (i < kFrameOutputs * scene_.frames.size()) {
-    return frame_output(scene_.frames[i / kFrameOutputs], i % kFrameOutputs);
-  }
-  i -= kFrameOutputs * scene_.frames.size();
-  if (i < kRopeOutputs * scene_.ropes.size()) {
-    const spreader::RopeTension& rope = model_.loads().ropes[i / kRopeOutputs];
-    return i % kRopeOutputs == 0 ? rope.tension : rope.stretch;
-  }
-  i -= kRopeOutputs * scene_.ropes.size();
-  if (i < monitor_.groups().size()) return group_force(monitor_.groups()[i], model_.loads()).norm();
-  i -= monitor_.groups().size();
-  if (i < scene_.landed_switches.size()) return monitor_.landed(static_cast<int>(i));
-  i -= scene_.landed_switches.size();
-  const double energies[] = {ledger_.kinetic, ledger_.potential, ledger_.work_in, ledger_.dissipated,
-                             ledger_.residual()};
-  assert(i < std::size(energies));
-  return energies[i];
+  return outputs_[i - inputs_.size()];
 }
 
-double SimbodyUnit::frame_output(const crane_models::ReportedFrame& frame, std::size_t component) const {
-  static const BodyMotion kAtRest;
-  const BodyMotion& body = frame.body < 0 ? kAtRest : model_.motions()[frame.body];
-  const crane_models::Pose X_WR = body.X_WB * frame.X_BR;
-  if (component < 3) return X_WR.translation()[component];
-  if (component < 7) {
-    Eigen::Quaterniond q(X_WR.linear());
-    if (q.w() < 0) q.coeffs() *= -1;  // of the two quaternions the one that turns by less than half a turn
-    return component == 3 ? q.w() : q.vec()[component - 4];
-  }
-  if (component < 10) {
-    const Eigen::Vector3d p_BR_W = X_WR.translation() - body.X_WB.translation();
-    return (body.v_WB + body.w_WB.cross(p_BR_W))[component - 7];
-  }
-  if (component < 13) return body.w_WB[component - 10];
-  const Eigen::Vector3d z_W = X_WR.linear().col(2);
-  return std::atan2(std::hypot(z_W.x(), z_W.y()), z_W.z());
+// What the interface shows, from the model's last evaluation and the ledger.
+void SimbodyUnit::publish() {
+  write_outputs(scene_, model_.motions(), model_.loads(), monitor_, ledger_, outputs_);
 }
 
 EngineStatistics SimbodyUnit::statistics() const {
@@ -370,6 +340,7 @@ void SimbodyUnit::begin_simulation() {
   potential_start_ = model_.potential_energy();
   ledger_.start = kinetic_start_ + potential_start_;
   update_ledger(z_);
+  publish();
 }
 
 void SimbodyUnit::exit_initialization_mode() {
@@ -439,6 +410,7 @@ void SimbodyUnit::apply_inputs() {
   z_[gained > 0 ? kWorkIn : kDissipated] += std::abs(gained);
   fill(seconds(time_), z_.data(), begin_);
   update_ledger(z_);
+  publish();
   running_ = false;
 }
 
@@ -477,6 +449,7 @@ void SimbodyUnit::settle(Time time) {
   }
   fill(seconds(time), z_.data(), begin_);
   update_ledger(z_);
+  publish();
 }
 
 // From the model's last evaluation and the quadratures there.
@@ -610,6 +583,7 @@ void SimbodyUnit::restore(const UnitState& state) {
   dynamics_.evaluate(seconds(time_), y_.data());
   fill(seconds(time_), z_.data(), begin_);
   update_ledger(z_);
+  publish();
   running_ = false;
 }
 
