@@ -30,11 +30,11 @@ constexpr double quaternion_tolerance = 1e-5;
 
 const std::map<std::string, Law> law_names{{"potential", Law::potential}, {"points", Law::points}};
 const std::map<std::string, Model> model_names{{"exact", Model::exact}, {"committee", Model::committee}};
-const std::map<std::string, PoseDomain> domain_names{{"landing", PoseDomain::landing},
-                                                     {"aligned", PoseDomain::aligned},
-                                                     {"side", PoseDomain::side},
-                                                     {"any", PoseDomain::any}};
-const std::vector<PoseDomain> all_domains{PoseDomain::landing, PoseDomain::aligned, PoseDomain::side, PoseDomain::any};
+const std::map<std::string, PoseDomain> domain_names = [] {
+  std::map<std::string, PoseDomain> names;
+  for (const PoseDomain domain : all_pose_domains()) names[name_of(domain)] = domain;
+  return names;
+}();
 
 const char* name_of(ContactClass contact_class) {
   switch (contact_class) {
@@ -230,7 +230,7 @@ void run_bench(const BenchArguments& arguments) {
              arguments.pairs);
   fmt::print("{:<10}{:>14}{:>14}{:>14}{:>14}{:>12}{:>12}\n", "poses", "exact force", "committee", "exact query",
              "committee", "fallbacks", "different");
-  for (const PoseDomain domain : all_domains) {
+  for (const PoseDomain domain : all_pose_domains()) {
     const auto pairs = sample_pairs(arguments.pairs, {domain}, GapRange{}, 1);
     ContactCounters counters;
     std::size_t different = 0;

@@ -8,8 +8,13 @@ namespace quayside::contact_nn {
 namespace {
 
 constexpr double degree = M_PI / 180;
-constexpr double smallest_length = 1e-6;  // [m]: of gaps and offsets drawn by orders of magnitude
+// Of what is drawn by orders of magnitude.
+constexpr double smallest_gap = 1e-9;     // [m]
+constexpr double smallest_offset = 1e-6;  // [m]
 constexpr double smallest_angle = 1e-7;   // [rad]
+// Boxes that are locked together, or have come to rest, are off by little more than rounding.
+constexpr double smallest_disturbance = 1e-15;  // [m], [rad]
+constexpr double largest_disturbance = 1e-3;
 constexpr double largest_tilt = 3 * degree;
 
 // Evenly or by orders of magnitude, with either sign.
@@ -68,8 +73,8 @@ double offset(int k, const BoxPair& pair, double reach_b, bool exact, Random& ra
   const double choice = random.uniform();
   if (exact && choice < 0.3) return 0;
   if (exact && choice < 0.5) return random.sign() * flush;
-  if (choice < 0.65) return spread(smallest_length, 0.1, random);
-  if (choice < 0.75) return random.sign() * flush + spread(smallest_length, 0.1, random);
+  if (choice < 0.65) return spread(smallest_offset, 0.1, random);
+  if (choice < 0.75) return random.sign() * flush + spread(smallest_offset, 0.1, random);
   return random.uniform(-all, all);
 }
 
@@ -80,17 +85,27 @@ Box sample_box(BoxKind kind, Random& random) {
     case BoxKind::container_20ft: return {{3.029, 1.219, 1.2955}};
     case BoxKind::container_40ft: return {{6.096, 1.219, random.uniform() < 0.5 ? 1.2955 : 1.448}};  // standard, high
     case BoxKind::container_45ft: return {{6.858, 1.219, 1.448}};
-    case BoxKind::spreader: return {{6.1, 1.22, 0.25}};
+    case BoxKind::spreader: {  // telescopic: as long as what it lifts
+      static const double half_lengths[] = {3.029, 6.096, 6.858};
+      return {{half_lengths[random.below(3)], 1.219, random.uniform(0.2, 0.5)}};
+    }
     case BoxKind::ground: return {{random.uniform(10, 200), random.uniform(10, 200), random.uniform(0.5, 2)}};
     case BoxKind::trailer_deck: return {{6.25, 1.25, 0.15}};
   }
   return {};
 }
 
+const std::vector<PoseDomain>& all_pose_domains() {
+  static const std::vector<PoseDomain> all{PoseDomain::landing, PoseDomain::aligned, PoseDomain::resting,
+                                           PoseDomain::side, PoseDomain::any};
+  return all;
+}
+
 const char* name_of(PoseDomain domain) {
   switch (domain) {
     case PoseDomain::landing: return "landing";
     case PoseDomain::aligned: return "aligned";
+    case PoseDomain::resting: return "resting";
     case PoseDomain::side: return "side";
     case PoseDomain::any: return "any";
   }
@@ -104,8 +119,8 @@ BoxPair sample_pair(const Box& a, const Box& b, PoseDomain domain, const GapRang
   const double deepest = std::min(std::max(gaps.deepest, least_range), smaller);
   const double farthest = gaps.farthest > 0 ? std::max(gaps.farthest, least_range) : 0;
   const bool touching = farthest == 0 || random.uniform() < 0.7;
-  const double gap = touching ? -std::abs(spread(smallest_length, deepest, random))
-                              : std::abs(spread(smallest_length, farthest, random));
+  const double gap = touching ? -std::abs(spread(smallest_gap, deepest, random))
+                              : std::abs(spread(smallest_gap, farthest, random));
 
   Eigen::Vector3d direction;
   if (domain == PoseDomain::any) {
@@ -116,14 +131,23 @@ BoxPair sample_pair(const Box& a, const Box& b, PoseDomain domain, const GapRang
     // Off the line through the centres, so that ends and corners meet as often as middles.
     pair.X_AB.translation() -= direction * direction.dot(pair.X_AB.translation());
   } else {
-    const bool exact = domain == PoseDomain::aligned;
+    const bool side = domain == PoseDomain::side, resting = domain == PoseDomain::resting;
+    const bool exact = resting || domain == PoseDomain::aligned;
+    const int axis = side ? static_cast<int>(random.below(2)) : 2;
+    direction = Eigen::Vector3d::Unit(axis) * (side ? random.sign() : 1);
     pair.X_AB.linear() = exact ? quarter_turns(random) : rotation(yaw(random), tilt(random), tilt(random));
-    const bool below = domain == PoseDomain::side;
-    const int axis = below ? static_cast<int>(random.below(2)) : 2;
-    direction = Eigen::Vector3d::Unit(axis) * (below ? random.sign() : 1);
     const Eigen::Vector3d reach = pair.X_AB.linear().cwiseAbs() * b.half;
     for (int k = 0; k < 3; ++k) {
       if (k != axis) pair.X_AB.translation()[k] = offset(k, pair, reach[k], exact, random);
+    }
+    if (resting) {
+      const double size =
+          smallest_disturbance * std::pow(largest_disturbance / smallest_disturbance, random.uniform());
+      // A box rocks about its long axis more than about the short one: the two tilts may differ by orders.
+      const auto small_tilt = [&] { return size * std::pow(1e-4, random.uniform()) * random.normal(); };
+      const double turn = random.uniform() < 0.5 ? yaw(random) : size * random.normal();
+      pair.X_AB.linear() = rotation(turn, small_tilt(), small_tilt()) * pair.X_AB.linear();
+      pair.X_AB.translation() += size * Eigen::Vector3d(random.normal(), random.normal(), 0);
     }
   }
   slide_to_gap(pair, direction, gap);

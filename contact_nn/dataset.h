@@ -19,10 +19,12 @@ Box sample_box(BoxKind kind, Random& random);
 enum class PoseDomain {
   landing,  // B set down on A: any yaw, tilts to 3°; offsets from none to anywhere
   aligned,  // the same with axes exactly parallel, every second one without any offset or with edges flush
+  resting,  // as aligned, half of them turned by any yaw, but for a disturbance in every direction, its size from
+            // rounding to milliradians
   side,     // B pushed against A's side or end
   any,      // any orientation, any direction
 };
-inline constexpr int kPoseDomains = 4;
+const std::vector<PoseDomain>& all_pose_domains();
 const char* name_of(PoseDomain domain);
 
 struct BoxPair {
@@ -31,7 +33,8 @@ struct BoxPair {
 };
 
 // A pair whose separation is drawn from [−deepest, farthest] [m]: half of the draws are spread evenly, half by orders
-// of magnitude down to 10⁻⁶ m, since boxes rest at tenths of millimetres and land at tens. Which box is A is drawn too.
+// of magnitude down to 10⁻⁹ m, since boxes rest at tenths of millimetres and land at tens. Offsets and tilts are drawn
+// alike. Which box is A is drawn too.
 // In the domain `any` the range is widened to a tenth of the smaller box if that is more.
 struct GapRange {
   double deepest = 0.05;

@@ -14,7 +14,7 @@ namespace {
 constexpr double least_depth_share = 1e-12;
 
 // Share of the depth up to which the scale is linear, logarithmic beyond [1].
-constexpr float linear_share = 1e-4f;
+constexpr float linear_share = 1e-8f;
 
 // log2(x) for x ≥ 1, straight between powers of two: the bits of a float, read as a number. A network does not mind,
 // and it takes two instructions.

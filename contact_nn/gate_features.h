@@ -37,7 +37,7 @@ inline constexpr const char* kPotentialInterface = "quayside gate_potential/1"; 
 
 inline constexpr int kPointsOutputs = kAxisCount;  // the larger, the likelier
 using PointsOutputs = Eigen::Matrix<float, kPointsOutputs, 1>;
-using PointsGate = Mlp<float, Activation::relu, kGateInputs, 32, kPointsOutputs>;
+using PointsGate = Mlp<float, Activation::relu, kGateInputs, 32, 32, kPointsOutputs>;
 inline constexpr const char* kPointsInterface = "quayside gate_points/1";
 
 // A pair as a gate sees it. The axes of both boxes are turned round so that the other box lies towards their positive

@@ -17,7 +17,7 @@ namespace quayside::contact_nn {
 struct GateTrainingOptions {
   Law law = Law::potential;
   std::uint64_t seed = 1;
-  std::size_t pairs = 600000;  // drawn for training; a tenth as many for validation and for each figure reported
+  std::size_t pairs = 1000000;  // drawn for training; a tenth as many for validation and for each figure reported
   int epochs = 80;             // 0: a gate with random weights, to show that answers do not depend on training
 
   std::function<void(int epoch, double training_loss, double validation_loss)> progress;

@@ -148,6 +148,8 @@ class Mlp {
     return Eigen::Map<const Output>(buffers[(count - 1) % 2]);
   }
 
+  static std::vector<int> layer_sizes() { return {sizes.begin(), sizes.end()}; }
+
   static std::string architecture() {
     std::string text = std::to_string(First);
     for (std::size_t i = 1; i < sizes.size(); ++i) text += "x" + std::to_string(sizes[i]);

@@ -1,5 +1,6 @@
 #include "contact_nn/committee.h"
 
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 
@@ -15,7 +16,7 @@
 namespace quayside::contact_nn {
 namespace {
 
-const std::vector<PoseDomain> all{PoseDomain::landing, PoseDomain::aligned, PoseDomain::side, PoseDomain::any};
+const std::vector<PoseDomain>& all = all_pose_domains();
 
 RelativeVelocity some_velocity(Random& random) {
   return {0.2 * random.direction(), 0.5 * random.direction()};
@@ -57,7 +58,7 @@ std::vector<BoxPair> strange_pairs(std::size_t count, std::uint64_t seed) {
   std::vector<BoxPair> pairs;
   for (std::size_t i = 0; i < count; ++i) {
     const auto& [a, b] = kinds[i % kinds.size()];
-    pairs.push_back(sample_pair(a, b, all[random.below(4)], {0.02, 0.02}, random));
+    pairs.push_back(sample_pair(a, b, all[random.below(all.size())], {0.02, 0.02}, random));
   }
   return pairs;
 }
@@ -71,7 +72,27 @@ struct Comparison {
   }
 };
 
-// To the last bit: pieces that are left out are empty in the exact law too, and the others are summed in the same order.
+bool identical(const ContactForce& x, const ContactForce& y) {
+  return x.touching == y.touching && x.f_A == y.f_A && x.t_A == y.t_A && x.impact_point_A == y.impact_point_A &&
+         x.normal_force == y.normal_force && x.potential_energy == y.potential_energy &&
+         x.dissipated_power == y.dissipated_power;
+}
+
+// Where two edge axes tie, gap and normal may be those of either. Their rounding is some 1e-16 of lengths up to 400 m,
+// divided by the sine between the edges, which is small where ties occur: 2e-12 m and 2e-11 were the largest seen among
+// 370,000 answers to gates that named axes at random, 20 of which were ties.
+constexpr double tied_gap = 1e-11;     // [m]
+constexpr double tied_normal = 1e-10;  // [1]
+
+bool equal_but_for_ties(const ContactForce& x, const ContactForce& y, double stiffness) {
+  const double tolerance = stiffness * tied_gap + tied_normal * y.f_A.norm();  // [N]
+  constexpr double lever = 400;                                                // [m]
+  return x.touching == y.touching && (x.f_A - y.f_A).norm() <= tolerance &&
+         (x.t_A - y.t_A).norm() <= lever * tolerance && std::abs(x.normal_force - y.normal_force) <= tolerance;
+}
+
+// To the last bit under the law `potential`: pieces that are left out are empty in the exact law too, and the others are
+// summed in the same order.
 Comparison expect_equal_forces(const ContactSettings& settings, const std::vector<BoxPair>& pairs) {
   const auto committee = make_committee_module(settings), exact = make_exact_module(settings);
   Comparison result;
@@ -83,9 +104,7 @@ Comparison expect_equal_forces(const ContactSettings& settings, const std::vecto
     const ContactForce x = committee->force(pair.a, pair.b, pair.X_AB, V, result.counters);
     const ContactForce y = exact->force(pair.a, pair.b, pair.X_AB, V, ignored);
     result.touching += y.touching;
-    different += x.touching != y.touching || x.f_A != y.f_A || x.t_A != y.t_A || x.impact_point_A != y.impact_point_A ||
-                 x.normal_force != y.normal_force || x.potential_energy != y.potential_energy ||
-                 x.dissipated_power != y.dissipated_power;
+    different += settings.law == Law::potential ? !identical(x, y) : !equal_but_for_ties(x, y, settings.stiffness);
   }
   EXPECT_EQ(different, 0u);
   EXPECT_EQ(result.counters.queries, pairs.size());
@@ -99,9 +118,12 @@ void expect_equal_manifolds(const ContactSettings& settings, const std::vector<B
   for (const BoxPair& pair : pairs) {
     const Manifold x = committee->query(pair.a, pair.b, pair.X_AB, counters, margin);
     const Manifold y = exact->query(pair.a, pair.b, pair.X_AB, counters, margin);
-    bool same = x.gap == y.gap && x.n_A == y.n_A && x.contact_class == y.contact_class && x.count == y.count;
-    for (std::size_t i = 0; same && i < static_cast<std::size_t>(x.count); ++i)
-      same = x.points[i].p_A == y.points[i].p_A && x.points[i].depth == y.points[i].depth;
+    bool same = std::abs(x.gap - y.gap) <= tied_gap && (x.n_A - y.n_A).norm() <= tied_normal &&
+                x.contact_class == y.contact_class && x.count == y.count;
+    for (std::size_t i = 0; same && i < static_cast<std::size_t>(x.count); ++i) {
+      same = (x.points[i].p_A - y.points[i].p_A).norm() <= tied_gap &&
+             std::abs(x.points[i].depth - y.points[i].depth) <= tied_gap;
+    }
     different += !same;
   }
   EXPECT_EQ(different, 0u);
@@ -148,25 +170,28 @@ TEST(Committee, ARandomGateGivesTheSameAnswersAndFallsBackMoreOften) {
   expect_equal_manifolds(settings_for(Law::points, gate.path()), pairs, 0);
 }
 
-// Landings as an integrator meets them, drawn independently of the training data's generator: tilts to a few degrees,
-// any yaw, depths to tens of millimetres, the exactly aligned ones a share of their own.
-std::vector<BoxPair> landings(const Box& lower, const Box& upper, double largest_tilt, bool aligned, Random& random) {
+// How far from exactly parallel and exactly placed boxes are.
+struct Disturbance {
+  const char* name;
+  double tilt;      // [rad]
+  double yaw;       // [rad]
+  double offset;    // [m]
+  double shallowest, deepest;  // [m]
+};
+
+// Landings as an integrator meets them, drawn independently of the generator that training uses.
+std::vector<BoxPair> landings(const Box& lower, const Box& upper, const Disturbance& how, Random& random) {
   std::vector<BoxPair> pairs;
-  while (pairs.size() < 5000) {
-    const double yaw = aligned ? 0 : random.uniform(-M_PI, M_PI);
-    const double pitch = aligned ? 0 : random.uniform(-largest_tilt, largest_tilt);
-    const double roll = aligned ? 0 : random.uniform(-largest_tilt, largest_tilt);
+  while (pairs.size() < 4000) {
+    const auto within = [&](double range) { return random.uniform(-range, range); };
     BoxPair pair{lower, upper, Pose::Identity()};
-    pair.X_AB.linear() = (Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()) *
-                          Eigen::AngleAxisd(pitch, Eigen::Vector3d::UnitY()) *
-                          Eigen::AngleAxisd(roll, Eigen::Vector3d::UnitX())).toRotationMatrix();
-    const bool centred = aligned && random.uniform() < 0.3;
-    for (int k = 0; k < 2; ++k) {
-      const double range = std::min(lower.half[k], 3.0);
-      pair.X_AB.translation()[k] = centred ? 0 : random.uniform(-range, range);
-    }
+    pair.X_AB.linear() = (Eigen::AngleAxisd(within(how.yaw), Eigen::Vector3d::UnitZ()) *
+                          Eigen::AngleAxisd(within(how.tilt), Eigen::Vector3d::UnitY()) *
+                          Eigen::AngleAxisd(within(how.tilt), Eigen::Vector3d::UnitX())).toRotationMatrix();
+    if (how.yaw == 0 && how.tilt == 0) pair.X_AB.linear().setIdentity();
+    for (int k = 0; k < 2; ++k) pair.X_AB.translation()[k] = within(std::min(how.offset, lower.half[k]));
     double low = 0, high = lower.half[2] + upper.half.norm();
-    const double depth = random.uniform(0, 0.03);
+    const double depth = random.uniform(how.shallowest, how.deepest);
     for (int i = 0; i < 60; ++i) {
       pair.X_AB.translation().z() = 0.5 * (low + high);
       (separation(pair.a, pair.b, pair.X_AB) > -depth ? high : low) = pair.X_AB.translation().z();
@@ -176,20 +201,32 @@ std::vector<BoxPair> landings(const Box& lower, const Box& upper, double largest
   return pairs;
 }
 
+// Boxes at rest were the hard part: what is left of their tilts and offsets is rounding, or what a yaw leaves of it, and
+// an integrator asks for the same pose many thousand times.
 TEST(Committee, FallsBackOnAtMostOneInAHundredLandings) {
   const Box container{{6.096, 1.219, 1.2955}}, spreader{{6.1, 1.22, 0.25}}, ground{{60, 60, 1}}, quay{{100, 75, 1}};
-  const double degree = M_PI / 180;
+  const double degree = M_PI / 180, any_yaw = M_PI;
+  const std::vector<Disturbance> disturbances{
+      {"exactly aligned and centred", 0, 0, 0, 1e-4, 0.03},
+      {"exactly aligned", 0, 0, 3, 1e-4, 0.03},
+      {"locked together", 1e-11, 1e-11, 1e-11, 1e-4, 1e-3},
+      {"at rest after a true landing", 1e-8, 1e-8, 0.05, 1e-4, 1e-3},
+      {"at rest, skewed", 1e-8, 2 * degree, 0.05, 1e-4, 1e-3},
+      {"at rest, any yaw", 1e-6, any_yaw, 3, 1e-4, 1e-3},
+      {"landing almost flat", 0.01 * degree, any_yaw, 3, 0, 0.03},
+      {"landing", 0.5 * degree, any_yaw, 3, 0, 0.03},
+      {"landing hard on a corner", 3 * degree, any_yaw, 3, 0, 0.05},
+  };
   Random random(7);
   for (const Law law : {Law::potential, Law::points}) {
-    const ContactSettings settings = settings_for(law);
     for (const auto& [lower, upper] : {std::pair{container, container}, std::pair{ground, container},
                                        std::pair{quay, container}, std::pair{container, spreader}}) {
-      for (const double tilt : {0.0, 0.01 * degree, 0.5 * degree, 3 * degree}) {
-        const auto pairs = landings(lower, upper, tilt, tilt == 0, random);
-        const Comparison result = expect_equal_forces(settings, pairs);
+      for (const Disturbance& how : disturbances) {
+        const Comparison result = expect_equal_forces(settings_for(law), landings(lower, upper, how, random));
+        EXPECT_GT(result.touching, 3900u) << how.name;
         EXPECT_LE(result.fallback_share(), 0.01)
-            << (law == Law::potential ? "potential" : "points") << ", tilt " << tilt << ", lower " << lower.half[0]
-            << " m, upper thickness " << upper.half[2] << " m";
+            << (law == Law::potential ? "potential, " : "points, ") << how.name << ", half length of the lower box "
+            << lower.half[0] << " m, half height of the upper " << upper.half[2] << " m";
       }
     }
   }

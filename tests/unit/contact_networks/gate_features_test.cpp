@@ -7,7 +7,7 @@
 namespace quayside::contact_nn {
 namespace {
 
-const std::vector<PoseDomain> all{PoseDomain::landing, PoseDomain::aligned, PoseDomain::side, PoseDomain::any};
+const std::vector<PoseDomain>& all = all_pose_domains();
 
 // A gate that says exactly what is wanted names every piece that is needed.
 TEST(GateFeatures, WhatIsWantedNamesWhatIsNeeded) {
