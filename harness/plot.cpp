@@ -49,11 +49,14 @@ std::vector<double> ticks(const Range& range, int most) {
   return out;
 }
 
-// Decades, thinned out to at most `most` of them; `range` in powers of ten.
+// Decades, at most `most` of them, or 1, 2, 5 of each where that are few; `range` and result in powers of ten.
 std::vector<double> decades(const Range& range, int most) {
-  const double step = std::max(1.0, std::ceil((range.high - range.low) / most));
+  const double span = range.high - range.low, step = std::max(1.0, std::ceil(span / most));
   std::vector<double> out;
-  for (double k = std::ceil(range.low); k <= range.high; k += step) out.push_back(k);
+  for (double k = std::floor(range.low); k <= range.high; k += step)
+    for (const double factor : {1.0, 2.0, 5.0})
+      if (const double tick = k + std::log10(factor); (factor == 1 || 3 * span < most) && tick >= range.low && tick <= range.high)
+        out.push_back(tick);
   return out;
 }
 
