@@ -16,7 +16,8 @@ std::string prediction_svg(const std::string& title, const std::string& y_title,
   constexpr double width = 960, height = 400, left = 60, right = 20, top = 40, bottom = 50;  // pixels
   const auto [low_a, high_a] = std::minmax_element(desired.begin(), desired.end());
   const auto [low_b, high_b] = std::minmax_element(predicted.begin(), predicted.end());
-  const double low = std::floor(std::min(*low_a, *low_b)), high = std::max(std::ceil(std::max(*high_a, *high_b)), low + 1);
+  const double low = std::floor(std::min(*low_a, *low_b)),
+               high = std::max(std::ceil(std::max(*high_a, *high_b)), low + 1);
   const auto x = [&](std::size_t i) {
     return left + (width - left - right) * static_cast<double>(i) / static_cast<double>(desired.size() - 1);
   };

@@ -142,7 +142,8 @@ class Session {
       perceptron_.jacobian(weights_, inputs_, targets_, begin, n, rows_, errors_);
       squares_.selfadjointView<Eigen::Lower>().rankUpdate(rows_.transpose());
       const Eigen::MatrixXf by_output = errors_.transpose();
-      slope += (rows_.transpose() * Eigen::Map<const Eigen::VectorXf>(by_output.data(), by_output.size())).cast<double>();
+      slope +=
+          (rows_.transpose() * Eigen::Map<const Eigen::VectorXf>(by_output.data(), by_output.size())).cast<double>();
     }
     const double n = static_cast<double>(inputs_.count);
     squares = squares_.cast<double>() / n;
@@ -206,7 +207,8 @@ Trained train_with_adam(Session& session, const Recipe& recipe) {
     const double rate = recipe.adaptation * (0.01 + 0.99 * 0.5 * (1 + std::cos(M_PI * progress)));
     session.pass([&](const Map& gradient, float scale) {
       ++steps;
-      const float step = static_cast<float>(rate * std::sqrt(1 - std::pow(beta2, steps)) / (1 - std::pow(beta1, steps)));
+      const float step =
+          static_cast<float>(rate * std::sqrt(1 - std::pow(beta2, steps)) / (1 - std::pow(beta1, steps)));
       array(mean) = float(beta1) * array(mean) + float(1 - beta1) * scale * gradient;
       array(square) = float(beta2) * array(square) + float(1 - beta2) * (scale * gradient).square();
       array(session.weights()) -= step * array(mean) / (array(square).sqrt() + epsilon);
@@ -232,7 +234,8 @@ Trained train_with_levenberg_marquardt(Session& session) {
       damped.diagonal().array() += damping;
       const Eigen::VectorXd step = damped.selfadjointView<Eigen::Lower>().llt().solve(slope);
       candidate = session.weights();
-      for (std::size_t i = 0; i < places.size(); ++i) candidate[places[i]] -= static_cast<float>(step[static_cast<Eigen::Index>(i)]);
+      for (std::size_t i = 0; i < places.size(); ++i)
+        candidate[places[i]] -= static_cast<float>(step[static_cast<Eigen::Index>(i)]);
       const double reached = session.training_cost(candidate);
       if (reached < error) {  // false for a step that is no number
         session.weights() = candidate;

@@ -1,5 +1,6 @@
-// Training of the paper's networks: backpropagation with momentum, as the paper did it, and two methods of later standing.
-// Each stops early on a validation set. Deterministic: the same data and options give the same network (on one build).
+// Training of the paper's networks: backpropagation with momentum, as the paper did it, and two methods of later
+// standing. Each stops early on a validation set. Deterministic: the same data and options give the same network (on
+// one build).
 #pragma once
 
 #include <cstdint>

@@ -157,10 +157,12 @@ void run_evaluate(EvaluateArguments arguments) {
   const std::filesystem::path folder(arguments.out);
   if (!arguments.out.empty()) std::filesystem::create_directories(folder);
   std::vector<Table> tables;
-  const auto figure = [&](const Prediction& p, const std::string& name, const std::string& title, const std::string& network) {
+  const auto figure = [&](const Prediction& p, const std::string& name, const std::string& title,
+                          const std::string& network) {
     if (arguments.out.empty()) return;
     std::string csv = "pattern,desired [rad],predicted [rad]\n";
-    for (std::size_t i = 0; i < p.desired.size(); ++i) csv += fmt::format("{},{:.9g},{:.9g}\n", i, p.desired[i], p.predicted[i]);
+    for (std::size_t i = 0; i < p.desired.size(); ++i)
+      csv += fmt::format("{},{:.9g},{:.9g}\n", i, p.desired[i], p.predicted[i]);
     write_file(folder / (name + ".csv"), csv);
     write_file(folder / (name + ".svg"), prediction_svg(title, "first output [rad]", p.desired, p.predicted));
     write_network((folder / (network + ".onnx")).string(), network_file(p, title, options));
@@ -243,7 +245,8 @@ void run_tune(TuneArguments arguments) {
   print(networks, std::cout);
   const int finished = static_cast<int>(networks.size());
   if (finished < options.networks) {
-    fmt::print("\nStopped after {} of {} networks: the same command continues {}\n", finished, options.networks, options.file);
+    fmt::print("\nStopped after {} of {} networks: the same command continues {}\n", finished, options.networks,
+               options.file);
   } else {
     fmt::print("\nAll {} networks are in {}\n", finished, options.file);
   }
@@ -255,15 +258,20 @@ void add_paper_commands(CLI::App& contact) {
   auto trihedra = std::make_shared<TrihedraArguments>();
   CLI::App* command = contact.add_subcommand("trihedra", "Draw the paper's data: touching trihedra of two cubes");
   add_data_options(*command, trihedra->reading, trihedra->subset);
-  command->add_option("--poses", trihedra->poses, "How many to keep")->check(CLI::Range(1, 100000000))->capture_default_str();
+  command->add_option("--poses", trihedra->poses, "How many to keep")
+      ->check(CLI::Range(1, 100000000))
+      ->capture_default_str();
   command->add_option("--seed", trihedra->seed, "Of the random draws")->capture_default_str();
   command->add_option("--out,-o", trihedra->out, "CSV file to write; without it only the counts are printed");
   command->footer("Example:\n  quayside contact trihedra --reading unfiltered -o patterns.csv");
   command->callback([trihedra] { run_trihedra(*trihedra); });
 
   auto evaluate = std::make_shared<EvaluateArguments>();
-  command = contact.add_subcommand("evaluate", "Make the paper's tables 1 and 2 and figures 5 and 6 again, and two more tables");
-  command->add_option("--table", evaluate->tables, "Which: 1, 2, targets (continuous targets), experts (one per feature pair)")
+  command = contact.add_subcommand("evaluate",
+                                   "Make the paper's tables 1 and 2 and figures 5 and 6 again, and two more tables");
+  command
+      ->add_option("--table", evaluate->tables,
+                   "Which: 1, 2, targets (continuous targets), experts (one per feature pair)")
       ->check(CLI::IsMember(table_names));
   command->add_option("--starts", evaluate->options.starts, "Networks per row; the best on the validation set is shown")
       ->check(CLI::Range(1, 10000))->capture_default_str();
@@ -284,8 +292,10 @@ void add_paper_commands(CLI::App& contact) {
       ->capture_default_str();
   command->add_option("--epochs", tuning->options.epochs, "At most, per network")->check(CLI::Range(1, 1000000))
       ->capture_default_str();
-  command->add_option("--patience", tuning->options.patience, "Epochs without a better validation error before one stops")
-      ->check(CLI::Range(1, 1000000))->capture_default_str();
+  command
+      ->add_option("--patience", tuning->options.patience, "Epochs without a better validation error before one stops")
+      ->check(CLI::Range(1, 1000000))
+      ->capture_default_str();
   command->add_option("--seed", tuning->options.seed, "Of the constants and initial weights")->capture_default_str();
   command->add_option("--out,-o", tuning->options.file, "CSV file to write, or to continue")->capture_default_str();
   command->footer("Ctrl-C stops; the same command continues where it stopped.\n\n"

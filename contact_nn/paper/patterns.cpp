@@ -55,7 +55,9 @@ Spread spread(std::vector<double>& values) {
   for (double v : values) s.mean += v;
   s.mean /= static_cast<double>(values.size());
   std::sort(values.begin(), values.end());
-  const auto quantile = [&](double q) { return values[static_cast<std::size_t>(q * static_cast<double>(values.size() - 1))]; };
+  const auto quantile = [&](double q) {
+    return values[static_cast<std::size_t>(q * static_cast<double>(values.size() - 1))];
+  };
   s.p95 = quantile(0.95);
   s.p99 = quantile(0.99);
   return s;
@@ -87,7 +89,8 @@ Samples patterns(const std::vector<TouchingPose>& poses, const Coding& coding) {
     samples.inputs.col(i) << X_AB.translation().cast<float>(), pose.euler.cast<float>();
     const PointAndDirection y = answer(pose, X_AB, coding.target);
     if (coding.encoding == Encoding::vectors) {
-      samples.targets.col(i) << (on_surface(y.point) * (2 / kEdge)).cast<float>(), y.direction.normalized().cast<float>();
+      samples.targets.col(i) << (on_surface(y.point) * (2 / kEdge)).cast<float>(),
+          y.direction.normalized().cast<float>();
     } else {
       samples.targets.col(i) << spherical(axes * y.point).cast<float>(), spherical(axes * y.direction).cast<float>();
     }

@@ -1,8 +1,8 @@
 // From poses to what a network sees and says, and back.
 //
-// In: p_AB [m] and the Euler angles α, β, γ [rad], 6 numbers. Out: the spherical angles of the impact point, seen from A's
-// centre, and of the force on B: azimuth in (−π, π] and elevation in [−π/2, π/2], 4 numbers. The distance of the impact
-// point follows, since it lies on A's surface.
+// In: p_AB [m] and the Euler angles α, β, γ [rad], 6 numbers. Out: the spherical angles of the impact point, seen from
+// A's centre, and of the force on B: azimuth in (−π, π] and elevation in [−π/2, π/2], 4 numbers. The distance of the
+// impact point follows, since it lies on A's surface.
 #pragma once
 
 #include <vector>
@@ -21,11 +21,11 @@ namespace quayside::contact_nn::paper {
 enum class Target { vertex, pressure };
 
 // How points and directions are told.
-//   angles   spherical about A's z axis, as in the paper: 4 numbers. The azimuth jumps at ±π and, worse, means nothing on
-//            the axis, which goes through the middle of the face z = 1 and is its force direction
-//   turned   spherical about (1, −1, 1), from (1, 2, 1): for the impact point both poles and the line of ±π are outside A's
-//            trihedron or on its border; for the force direction, which reaches farther, there are no poles and a jump only
-//            where it passes −y. So the same 4 numbers, nearly without these jumps
+//   angles   spherical about A's z axis, as in the paper: 4 numbers. The azimuth jumps at ±π and, worse, means nothing
+//            on the axis, which goes through the middle of the face z = 1 and is its force direction
+//   turned   spherical about (1, −1, 1), from (1, 2, 1): for the impact point both poles and the line of ±π are outside
+//            A's trihedron or on its border; for the force direction, which reaches farther, there are no poles and a
+//            jump only where it passes −y. So the same 4 numbers, nearly without these jumps
 //   vectors  the point divided by the half edge, and the unit direction: 6 numbers without any jump
 enum class Encoding { angles, turned, vectors };
 int outputs_of(Encoding encoding);

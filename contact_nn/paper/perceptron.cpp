@@ -61,12 +61,13 @@ void product_rows(const float* a, int a_stride, Scalars b, Eigen::Index depth, E
 }
 
 // C (rows × columns) = A (rows × depth) B (depth × columns); rows is a multiple of the lanes, columns of A and C lie
-// `a_stride` and `c_stride` numbers apart. All three products of backpropagation have this form, with A the weights, the
-// transposed weights, and the errors.
-void product(int rows, const float* a, int a_stride, const Scalars& b, Eigen::Index depth, Eigen::Index columns, float* c,
-             int c_stride) {
+// `a_stride` and `c_stride` numbers apart. All three products of backpropagation have this form, with A the weights,
+// the transposed weights, and the errors.
+void product(int rows, const float* a, int a_stride, const Scalars& b, Eigen::Index depth, Eigen::Index columns,
+             float* c, int c_stride) {
   int row = 0;
-  for (; row + 2 * lanes <= rows; row += 2 * lanes) product_rows<2>(a + row, a_stride, b, depth, columns, c + row, c_stride);
+  for (; row + 2 * lanes <= rows; row += 2 * lanes)
+    product_rows<2>(a + row, a_stride, b, depth, columns, c + row, c_stride);
   if (row < rows) product_rows<1>(a + row, a_stride, b, depth, columns, c + row, c_stride);
 }
 
@@ -95,7 +96,8 @@ std::vector<std::size_t> Shape::places() const {
   std::vector<std::size_t> places;
   for (const Layer& layer : layers_) {
     for (int j = 0; j <= layer.inputs; ++j) {
-      for (int i = 0; i < layer.outputs; ++i) places.push_back(layer.offset + static_cast<std::size_t>(j * layer.stride + i));
+      for (int i = 0; i < layer.outputs; ++i)
+        places.push_back(layer.offset + static_cast<std::size_t>(j * layer.stride + i));
     }
   }
   return places;

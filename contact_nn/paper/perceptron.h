@@ -67,9 +67,9 @@ class Perceptron {
   double cost(const Floats& weights, const Columns& inputs, const Columns& targets, Eigen::Index begin,
               Eigen::Index count, Cost cost, Floats& gradient);
 
-  // Outputs of one sample after another as rows of the Jacobian: row `count × output + sample` is the derivative of that
-  // output by the weights that are not padding, in the order of `Shape::places`. `errors` (outputs × count) becomes
-  // output − target.
+  // Outputs of one sample after another as rows of the Jacobian: row `count × output + sample` is the derivative of
+  // that output by the weights that are not padding, in the order of `Shape::places`. `errors` (outputs × count)
+  // becomes output − target.
   void jacobian(const Floats& weights, const Columns& inputs, const Columns& targets, Eigen::Index begin,
                 Eigen::Index count, Eigen::MatrixXf& rows, Eigen::MatrixXf& errors);
 
@@ -87,8 +87,8 @@ class Perceptron {
   std::vector<Floats> transposed_;
 };
 
-// The same network in the module's common form. The inputs are standardised as (x − mean)/deviation, which is folded into
-// the first layer.
+// The same network in the module's common form. The inputs are standardised as (x − mean)/deviation, which is folded
+// into the first layer.
 Network network_of(const Shape& shape, const Floats& weights, const Eigen::VectorXd& mean,
                    const Eigen::VectorXd& deviation);
 

@@ -98,14 +98,16 @@ std::vector<std::string> describe(const DrawCounts& counts) {
     for (int a = 0; a < kEdges; ++a) {
       for (auto n : counts.edge_on_edge[a]) along[a % 3 == 0 ? 0 : 1] += n;
     }
-    lines.push_back(fmt::format("edges of B on A's three edges at the corner: {}, on its six outer edges: {}", along[0], along[1]));
+    lines.push_back(
+        fmt::format("edges of B on A's three edges at the corner: {}, on its six outer edges: {}", along[0], along[1]));
   }
   return lines;
 }
 
 Table table1(const TableOptions& options, Prediction& figure5) {
   Table table{"Table 1: 6x20x18x4, with discontinuities", {}, {}};
-  table.rows.push_back(paper_row("6x20x18x4", {0.0332, 0.4161, 0.6947}, {0.0259, 0.4383, 0.7363}, {-0.0005, 0.5624, 0.8667}));
+  table.rows.push_back(
+      paper_row("6x20x18x4", {0.0332, 0.4161, 0.6947}, {0.0259, 0.4383, 0.7363}, {-0.0005, 0.5624, 0.8667}));
   for (const Reading reading : {Reading::valid, Reading::unfiltered}) {
     Problem problem;
     problem.reading = reading;
@@ -131,11 +133,13 @@ Table table1(const TableOptions& options, Prediction& figure5) {
 
 Table table2(const TableOptions& options, Prediction& figure6) {
   Table table{"Table 2: 6x20x17x4, subsets without discontinuities (and the octant), valid poses", {}, {}};
-  table.rows.push_back(paper_row("6x20x17x4", {-0.0008, 0.2765, 0.5410}, {0.0031, 0.2883, 0.5748}, {0.0467, 0.4523, 0.7302}));
+  table.rows.push_back(
+      paper_row("6x20x17x4", {-0.0008, 0.2765, 0.5410}, {0.0031, 0.2883, 0.5748}, {0.0467, 0.4523, 0.7302}));
   Subset octant;
   octant.kind = Subset::Kind::octant;
-  const std::vector<Subset> subsets{Subset::pair(Touch::vertex_on_face, 0, 0), Subset::pair(Touch::vertex_on_face, 2, 0),
-                                    Subset::pair(Touch::edge_on_edge, 0, 3), octant};
+  const std::vector<Subset> subsets{Subset::pair(Touch::vertex_on_face, 0, 0),
+                                    Subset::pair(Touch::vertex_on_face, 2, 0), Subset::pair(Touch::edge_on_edge, 0, 3),
+                                    octant};
   for (const Subset& subset : subsets) {
     Problem problem;
     problem.subset = subset;
@@ -202,7 +206,8 @@ Table experts_table(const TableOptions& options) {
   recipe.cost = Cost::absolute;
   recipe.epochs = std::min(recipe.epochs, 300);
   for (const Touch touch : {Touch::vertex_on_face, Touch::edge_on_edge}) {
-    const int of_a = touch == Touch::vertex_on_face ? kFaces : kEdges, of_b = touch == Touch::vertex_on_face ? kVertices : kEdges;
+    const int of_a = touch == Touch::vertex_on_face ? kFaces : kEdges,
+              of_b = touch == Touch::vertex_on_face ? kVertices : kEdges;
     for (int a = 0; a < of_a; ++a) {
       for (int b = 0; b < of_b; ++b) {
         std::vector<TouchingPose> share;
@@ -237,18 +242,22 @@ Table experts_table(const TableOptions& options) {
 
 void print(const Table& table, std::ostream& out) {
   out << "### " << table.title << "\n\n"
-      << "| data | network | training ME / MAE / RMSE | validation | external | impact point [edges] mean / p95 / p99 | "
+      << "| data | network | training ME / MAE / RMSE | validation | external | impact point [edges] mean / p95 / p99 "
+         "| "
          "force [deg] mean / p95 / p99 | epochs, s |\n|---|---|---|---|---|---|---|---|\n";
   const auto three = [](const OutputErrors& e) {
     return e.square == 0 ? std::string("–") : fmt::format("{:.4f} / {:.4f} / {:.4f}", e.mean, e.absolute, e.square);
   };
   for (const TableRow& row : table.rows) {
     const PhysicalErrors& p = row.errors.physical;
-    out << fmt::format("| {} | {} | {} | {} | {} | {} | {} | {} |\n", row.data, row.network, three(row.errors.training),
-                       three(row.errors.validation), three(row.errors.external),
-                       row.physical ? fmt::format("{:.3f} / {:.3f} / {:.3f}", p.point.mean, p.point.p95, p.point.p99) : "–",
-                       row.physical ? fmt::format("{:.1f} / {:.1f} / {:.1f}", p.force.mean, p.force.p95, p.force.p99) : "–",
-                       row.epochs > 0 ? fmt::format("{}, {:.1f}", row.epochs, row.seconds) : row.seconds > 0 ? fmt::format("{:.1f}", row.seconds) : "–");
+    out << fmt::format(
+        "| {} | {} | {} | {} | {} | {} | {} | {} |\n", row.data, row.network, three(row.errors.training),
+        three(row.errors.validation), three(row.errors.external),
+        row.physical ? fmt::format("{:.3f} / {:.3f} / {:.3f}", p.point.mean, p.point.p95, p.point.p99) : "–",
+        row.physical ? fmt::format("{:.1f} / {:.1f} / {:.1f}", p.force.mean, p.force.p95, p.force.p99) : "–",
+        row.epochs > 0    ? fmt::format("{}, {:.1f}", row.epochs, row.seconds)
+        : row.seconds > 0 ? fmt::format("{:.1f}", row.seconds)
+                          : "–");
   }
   out << '\n';
   for (const std::string& line : table.notes) out << "- " << line << '\n';
@@ -258,7 +267,8 @@ void print(const Table& table, std::ostream& out) {
 void write_csv(const std::vector<Table>& tables, std::ostream& out) {
   out << "table,data,network";
   for (const char* set : {"training", "validation", "external"}) out << fmt::format(",{0} ME,{0} MAE,{0} RMSE", set);
-  out << ",point mean [edges],point p95 [edges],point p99 [edges],force mean [deg],force p95 [deg],force p99 [deg],epochs,"
+  out << ",point mean [edges],point p95 [edges],point p99 [edges],force mean [deg],force p95 [deg],force p99 "
+         "[deg],epochs,"
          "training [s]\n";
   for (const Table& table : tables) {
     for (const TableRow& row : table.rows) {

@@ -52,7 +52,8 @@ Table table2(const TableOptions& options, Prediction& figure6);
 // The same network and sizes as in table 1 on targets with and without discontinuities.
 Table target_table(const TableOptions& options);
 
-// The external set of table 1 answered by one 6x20x17x4 network for each pair of touching features, the pair being known.
+// The external set of table 1 answered by one 6x20x17x4 network for each pair of touching features, the pair being
+// known.
 Table experts_table(const TableOptions& options);
 
 void print(const Table& table, std::ostream& out);                     // Markdown

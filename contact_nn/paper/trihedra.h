@@ -6,8 +6,8 @@
 //
 // One draw: an impact point, uniform on A's trihedron, and one of B's 7 vertices placed on it (vertex on face), or a
 // point of one of A's 9 edges and one of B's 9 edges placed on it (edge on edge); then B is turned about that point by
-// R_AB = R_z(γ) R_y(β) R_x(α), each angle uniform in [−π/2, π/2]. The paper leaves open whether poses in which the cubes
-// then overlap were kept. Both readings are here: `valid` keeps the poses in which the solid cubes touch without
+// R_AB = R_z(γ) R_y(β) R_x(α), each angle uniform in [−π/2, π/2]. The paper leaves open whether poses in which the
+// cubes then overlap were kept. Both readings are here: `valid` keeps the poses in which the solid cubes touch without
 // overlapping, `unfiltered` keeps all, and then the same pose may come with several answers.
 #pragma once
 
@@ -55,11 +55,11 @@ struct TouchingPose {
 // Which draws are kept. Impact point and force direction jump where the touching features change; a subset with one
 // pair of features has no such jump:
 //   everything  all draws
-//   octant      Euler angles in [0, π/2]: the reading that the paper's "a change in the sign of one of the Euler angles"
-//               suggests. On the face z = 1 it fixes the touching vertex, on the others it does not, so jumps remain
-//   pair        one pair of features: one of B's vertices on one of A's faces (21 subsets), or one of B's edges on one of
-//               A's edges (81). The force of a vertex on a face is then constant and the impact point is p_AB + R_AB v;
-//               of two edges both are smooth but where the edges are parallel
+//   octant      Euler angles in [0, π/2], after the paper's "a change in the sign of one of the Euler angles": on the
+//               face z = 1 it fixes the touching vertex, on the others it does not, so jumps remain
+//   pair        one pair of features: one of B's vertices on one of A's faces (21 subsets), or one of B's edges on one
+//               of A's edges (81). The force of a vertex on a face is then constant and the impact point is
+//               p_AB + R_AB v; of two edges both are smooth but where the edges are parallel
 struct Subset {
   enum class Kind { everything, octant, pair } kind = Kind::everything;
   Touch touch = Touch::vertex_on_face;

@@ -34,9 +34,9 @@ std::string settings_line(const TuningOptions& options) {
 }
 
 std::string row_text(const TunedNetwork& n) {
-  std::string text = fmt::format("{},{},{},{:.9g},{:.9g},{:.9g},{},{},{:.3f}", n.number, n.recipe.hidden[0],
-                                 n.recipe.hidden[1], n.recipe.adaptation, n.recipe.momentum, n.recipe.amplitude, n.epochs,
-                                 n.best_epoch, n.seconds);
+  std::string text =
+      fmt::format("{},{},{},{:.9g},{:.9g},{:.9g},{},{},{:.3f}", n.number, n.recipe.hidden[0], n.recipe.hidden[1],
+                  n.recipe.adaptation, n.recipe.momentum, n.recipe.amplitude, n.epochs, n.best_epoch, n.seconds);
   for (const OutputErrors* e : {&n.training, &n.validation, &n.external}) {
     text += fmt::format(",{:.9g},{:.9g},{:.9g}", e->mean, e->absolute, e->square);
   }
@@ -51,7 +51,8 @@ TunedNetwork parse_row(const std::string& line, const std::string& where) {
     x.push_back(std::strtod(field.c_str(), &end));
     if (end == field.c_str() || *end != '\0') x.clear();
   }
-  if (x.size() != column_count) throw std::invalid_argument(where + ": not a row of a tuning; delete it or take another file");
+  if (x.size() != column_count)
+    throw std::invalid_argument(where + ": not a row of a tuning; delete it or take another file");
   TunedNetwork n;
   n.number = static_cast<int>(x[0]);
   n.recipe.hidden = {static_cast<int>(x[1]), static_cast<int>(x[2])};
@@ -91,8 +92,10 @@ std::vector<TunedNetwork> finished_networks(const TuningOptions& options) {
   std::string line;
   std::getline(lines, line);
   if (line != settings) {
-    throw std::invalid_argument(fmt::format("{} was begun with other settings\n  there: {}\n  now:   {}\ntake another file "
-                                            "or the same settings", options.file, line, settings));
+    throw std::invalid_argument(
+        fmt::format("{} was begun with other settings\n  there: {}\n  now:   {}\ntake another file "
+                    "or the same settings",
+                    options.file, line, settings));
   }
   std::vector<TunedNetwork> networks;
   std::getline(lines, line);  // the columns' names
@@ -171,7 +174,8 @@ std::vector<TunedNetwork> tune(const TuningOptions& options) {
     };
     const unsigned cores = std::max(1u, std::thread::hardware_concurrency());
     std::vector<std::thread> threads;
-    for (unsigned k = 0; k < (options.threads > 0 ? static_cast<unsigned>(options.threads) : cores); ++k) threads.emplace_back(work);
+    for (unsigned k = 0; k < (options.threads > 0 ? static_cast<unsigned>(options.threads) : cores); ++k)
+      threads.emplace_back(work);
     for (std::thread& thread : threads) thread.join();
     if (failure) std::rethrow_exception(failure);
   }
@@ -185,27 +189,31 @@ void print(const std::vector<TunedNetwork>& networks, std::ostream& out) {
   const auto error = [](const TunedNetwork* n) { return n->validation.absolute; };
   std::sort(order.begin(), order.end(), [&](auto* a, auto* b) { return error(a) < error(b); });
   out << fmt::format("The best of {} networks on the validation set:\n\n", networks.size())
-      << "| network | hidden | adaptation | momentum | amplitude | epochs | training MAE | validation MAE | external ME / MAE / "
+      << "| network | hidden | adaptation | momentum | amplitude | epochs | training MAE | validation MAE | external "
+         "ME / MAE / "
          "RMSE |\n|---|---|---|---|---|---|---|---|---|\n";
   for (std::size_t i = 0; i < std::min<std::size_t>(10, order.size()); ++i) {
     const TunedNetwork& n = *order[i];
-    out << fmt::format("| {} | {} x {} | {:.4f} | {:.3f} | {:.3f} | {} | {:.4f} | {:.4f} | {:.4f} / {:.4f} / {:.4f} |\n", n.number,
-                       n.recipe.hidden[0], n.recipe.hidden[1], n.recipe.adaptation, n.recipe.momentum, n.recipe.amplitude,
-                       n.best_epoch, n.training.absolute, n.validation.absolute, n.external.mean, n.external.absolute,
-                       n.external.square);
+    out << fmt::format(
+        "| {} | {} x {} | {:.4f} | {:.3f} | {:.3f} | {} | {:.4f} | {:.4f} | {:.4f} / {:.4f} / {:.4f} |\n", n.number,
+        n.recipe.hidden[0], n.recipe.hidden[1], n.recipe.adaptation, n.recipe.momentum, n.recipe.amplitude,
+        n.best_epoch, n.training.absolute, n.validation.absolute, n.external.mean, n.external.absolute,
+        n.external.square);
   }
   if (networks.size() < 8) return;
-  out << "\nValidation MAE, best / median, by quarters of each constant:\n\n| constant | lowest | | | highest |\n|---|---|---|---|---|\n";
+  out << "\nValidation MAE, best / median, by quarters of each constant:\n\n| constant | lowest | | | highest "
+         "|\n|---|---|---|---|---|\n";
   struct Constant {
     const char* name;
     double (*of)(const TunedNetwork&);
   };
-  const Constant constants[] = {
-      {"hidden units, both layers", [](const TunedNetwork& n) { return double(n.recipe.hidden[0] + n.recipe.hidden[1]); }},
-      {"adaptation", [](const TunedNetwork& n) { return n.recipe.adaptation; }},
-      {"momentum", [](const TunedNetwork& n) { return n.recipe.momentum; }},
-      {"adaptation / (1 - momentum)", [](const TunedNetwork& n) { return n.recipe.adaptation / (1 - n.recipe.momentum); }},
-      {"amplitude", [](const TunedNetwork& n) { return n.recipe.amplitude; }}};
+  const Constant constants[] = {{"hidden units, both layers",
+                                 [](const TunedNetwork& n) { return double(n.recipe.hidden[0] + n.recipe.hidden[1]); }},
+                                {"adaptation", [](const TunedNetwork& n) { return n.recipe.adaptation; }},
+                                {"momentum", [](const TunedNetwork& n) { return n.recipe.momentum; }},
+                                {"adaptation / (1 - momentum)",
+                                 [](const TunedNetwork& n) { return n.recipe.adaptation / (1 - n.recipe.momentum); }},
+                                {"amplitude", [](const TunedNetwork& n) { return n.recipe.amplitude; }}};
   for (const Constant& constant : constants) {
     std::sort(order.begin(), order.end(), [&](auto* a, auto* b) { return constant.of(*a) < constant.of(*b); });
     out << "| " << constant.name;
@@ -214,8 +222,8 @@ void print(const std::vector<TunedNetwork>& networks, std::ostream& out) {
       std::vector<double> errors;
       for (std::size_t i = begin; i < end; ++i) errors.push_back(error(order[i]));
       std::sort(errors.begin(), errors.end());
-      out << fmt::format(" | {:.3g} to {:.3g}: {:.3f} / {:.3f}", constant.of(*order[begin]), constant.of(*order[end - 1]),
-                         errors.front(), errors[errors.size() / 2]);
+      out << fmt::format(" | {:.3g} to {:.3g}: {:.3f} / {:.3f}", constant.of(*order[begin]),
+                         constant.of(*order[end - 1]), errors.front(), errors[errors.size() / 2]);
     }
     out << " |\n";
   }

@@ -54,7 +54,8 @@ TEST(Optimisers, TheSameSeedGivesTheSameNetwork) {
   for (const Method method : all_methods) {
     Recipe recipe = short_recipe(method);
     recipe.epochs = 5;
-    const Network first = train(training, validation, recipe).network, second = train(training, validation, recipe).network;
+    const Network first = train(training, validation, recipe).network,
+                  second = train(training, validation, recipe).network;
     recipe.seed = 2;
     const Network other = train(training, validation, recipe).network;
     for (std::size_t i = 0; i < first.layers.size(); ++i) {
@@ -64,9 +65,9 @@ TEST(Optimisers, TheSameSeedGivesTheSameNetwork) {
   }
 }
 
-// Without momentum, one step over all patterns is −η times the mean gradient; with it, the second step repeats m times the
-// first. Both are read off the bias of a network whose hidden units say nothing, because its weights are all but zero: the
-// bias b of the output then follows b' = b − η (b − t) exactly, to the amplitude of the weights.
+// Without momentum, one step over all patterns is −η times the mean gradient; with it, the second step repeats m times
+// the first. Both are read off the bias of a network whose hidden units say nothing, because its weights are all but
+// zero: the bias b of the output then follows b' = b − η (b − t) exactly, to the amplitude of the weights.
 TEST(Optimisers, MomentumRepeatsAShareOfTheLastStep) {
   Samples samples;
   samples.inputs = Eigen::MatrixXf::Random(1, 10);
@@ -86,8 +87,8 @@ TEST(Optimisers, MomentumRepeatsAShareOfTheLastStep) {
   EXPECT_NEAR(bias_after(2, 0.5), 0.2 + 0.1 * 1.8 + 0.5 * 0.2, 1e-5);
 }
 
-// Validation targets that contradict the training set get worse from the start: training must stop after `patience` epochs
-// and give back an early network.
+// Validation targets that contradict the training set get worse from the start: training must stop after `patience`
+// epochs and give back an early network.
 TEST(Optimisers, StopsEarlyAndGivesBackTheBest) {
   const Samples training = lesson(200, 1);
   Samples contrary = lesson(100, 2);

@@ -80,8 +80,9 @@ TEST(Patterns, EncodingsAgree) {
   }
 }
 
-// What `turned` is for. The impact point's azimuth never comes near its jump, since that line is outside the trihedron. The
-// force's does where two edges touch with the normal near −y: a few of a thousand poses, against one in twenty before.
+// What `turned` is for. The impact point's azimuth never comes near its jump, since that line is outside the trihedron.
+// The force's does where two edges touch with the normal near −y: a few of a thousand poses, against one in twenty
+// before.
 TEST(Patterns, TurnedAnglesStayAwayFromTheirJump) {
   const auto poses = some_poses(5000);
   const auto near_jump = [&](Encoding encoding, int row) {
@@ -100,13 +101,15 @@ TEST(Patterns, ThePressureOfACornerIsAtTheCornerAndNormal) {
   const TouchingPose pose = tilted(0.5, 0.4, 0);
   const Samples vertex = patterns({pose}, {Target::vertex, Encoding::vectors, 0});
   const Samples pressure = patterns({pose}, {Target::pressure, Encoding::vectors, depth});
-  // The edges rise by 2 sin β = 0.78, 2 cos β sin α = 0.88 and more over their length of 2: the overlap is 2.6 depths long.
+  // The edges rise by 2 sin β = 0.78, 2 cos β sin α = 0.88 and more over their length of 2: the overlap is 2.6 depths
+  // long.
   EXPECT_LT((vertex.targets.topRows(3) - pressure.targets.topRows(3)).norm(), 3 * depth);
   EXPECT_LT((pressure.targets.bottomRows(3) - Vector3d::UnitZ().cast<float>()).norm(), 1e-6);
 }
 
-// Tilting B over the level of its lowest edge makes the vertex jump by that edge, 2 m. The centre of pressure moves along
-// it while the tilt is within ± depth/edge = 0.02/2 rad: about 2 m in 200 steps of 1e-4 rad, 0.01 a step, and not evenly.
+// Tilting B over the level of its lowest edge makes the vertex jump by that edge, 2 m. The centre of pressure moves
+// along it while the tilt is within ± depth/edge = 0.02/2 rad: about 2 m in 200 steps of 1e-4 rad, 0.01 a step, and not
+// evenly.
 TEST(Patterns, ThePressureIsContinuousWhereTheVertexJumps) {
   double vertex_step = 0, pressure_step = 0;
   Eigen::MatrixXf before_v, before_p;

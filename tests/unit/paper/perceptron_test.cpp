@@ -49,7 +49,8 @@ TEST(Perceptron, CostAndGradientAreThoseOfDoublePrecision) {
     Example x(sizes);
     Perceptron perceptron(x.shape);
     Floats gradient(x.shape.size(), 1.0f);
-    const double cost = perceptron.cost(x.weights, Columns(x.inputs), Columns(x.targets), 0, samples, Cost::square, gradient);
+    const double cost =
+        perceptron.cost(x.weights, Columns(x.inputs), Columns(x.targets), 0, samples, Cost::square, gradient);
     Network expected;
     const double loss =
         mean_loss(x.network, x.inputs.cast<double>(), x.targets.cast<double>(), Loss::mean_square, 1, expected);

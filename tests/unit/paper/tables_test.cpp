@@ -10,8 +10,8 @@
 namespace quayside::contact_nn::paper {
 namespace {
 
-// A hundredth of the paper's sizes and a few epochs: enough to see that every row is there and that networks, even these,
-// learn something.
+// A hundredth of the paper's sizes and a few epochs: enough to see that every row is there and that networks, even
+// these, learn something.
 TableOptions quick() {
   TableOptions options;
   options.scale = 0.01;

@@ -61,8 +61,9 @@ TEST(Trihedra, PosesAreValidExactlyWhereThePlaneOfContactSeparatesTheCubes) {
   for (const TouchingPose& pose : some_poses(Reading::valid, 1000)) EXPECT_TRUE(plane_separates(pose));
 }
 
-// A turned cube has one lowest vertex. Over the faces x = 1 and z = 1 it is never (1, 1, 1), since R_xx = cos β cos γ and
-// R_zz = cos α cos β are positive: so exactly one of the seven vertices fits, and a seventh of these draws are valid.
+// A turned cube has one lowest vertex. Over the faces x = 1 and z = 1 it is never (1, 1, 1), since R_xx = cos β cos γ
+// and R_zz = cos α cos β are positive: so exactly one of the seven vertices fits, and a seventh of these draws are
+// valid.
 TEST(Trihedra, OneVertexFitsOnAFace) {
   Random random(3);
   for (int trial = 0; trial < 300; ++trial) {

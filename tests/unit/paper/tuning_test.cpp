@@ -52,8 +52,8 @@ TEST_F(Tuning, RecipesStayInTheirRangesAndDependOnTheNumberAlone) {
   }
 }
 
-// Stopped after two networks, its last line cut as if the machine had died while writing, and continued with another number
-// of threads: the same networks as in one go.
+// Stopped after two networks, its last line cut as if the machine had died while writing, and continued with another
+// number of threads: the same networks as in one go.
 TEST_F(Tuning, ContinuesWhereItStopped) {
   const auto whole = tune(options);
   ASSERT_EQ(whole.size(), 6u);
