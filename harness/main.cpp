@@ -9,6 +9,7 @@
 
 #include "cases/case.h"
 #include "contact_nn/contact_command.h"
+#include "contact_nn/paper/paper_command.h"
 #include "harness/commands/commands.h"
 #include "harness/versions.h"
 
@@ -83,6 +84,7 @@ int main(int argc, char** argv) {
     harness::add_plot_command(app);
     harness::add_sweep_command(app);
     contact_nn::add_contact_commands(app);
+    contact_nn::add_paper_commands(*app.get_subcommand("contact"));
     app.parse(argc, argv);
     return 0;
   } catch (const CLI::RuntimeError& error) {  // thrown by commands, which have said what there is to say
