@@ -17,6 +17,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "contact_nn/check_command.h"
 #include "contact_nn/gate_training.h"
 #include "contact_nn/onnx_file.h"
 #include "contact_nn/separating_axes.h"
@@ -366,6 +367,8 @@ void add_contact_commands(CLI::App& app) {
   command->add_option("--network", bench->network, "Gate of the committee (ONNX); the one that ships by default");
   command->footer("Example:\n  quayside contact bench --law points");
   command->callback([bench] { run_bench(*bench); });
+
+  add_check_command(*contact);
 }
 
 }  // namespace quayside::contact_nn

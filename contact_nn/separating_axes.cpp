@@ -9,14 +9,6 @@
 namespace quayside::contact_nn {
 namespace {
 
-// Below this sine two edges count as parallel and their common normal is not tried [1]. Skipping an axis of sine w/L
-// under-reports a penetration d by at most w²/2d (the two neighbouring faces of the Minkowski difference share an
-// edge with the skipped sliver of width w): 1e-9 m at 1 mm for 12 m edges. Trying it would cost ε L / sine, 2e-8 m.
-constexpr double kParallelSine = 1e-7;
-
-// Rounding of one axis' numerator, in units of ε times the size of the pair [1]: some ten operations.
-constexpr double kRounding = 16;
-
 constexpr int kFirstEdge = 6;  // number of the first edge pair's axis
 
 // The pair as all axes need it. Lane i or j of a `Four` belongs to A's axis i or B's axis j.
@@ -29,25 +21,7 @@ struct Relative {
     q = rows.row[0] * p[0] + rows.row[1] * p[1] + rows.row[2] * p[2];
     face_a = abs(p) - half_a - (abs(columns[0]) * b[0] + abs(columns[1]) * b[1] + abs(columns[2]) * b[2]);
     face_b = abs(q) - half_b - (rows_abs[0] * a[0] + rows_abs[1] * a[1] + rows_abs[2] * a[2]);
-    rounding = kRounding * std::numeric_limits<double>::epsilon() * sum3(half_a + half_b + abs(p));
-  }
-
-  Eigen::Vector3d normal(int axis) const {
-    Eigen::Vector3d n = Eigen::Vector3d::Zero();
-    if (axis < 3) {
-      n[axis] = p[axis] < 0 ? -1 : 1;
-    } else if (axis < 6) {
-      n = X.linear().col(axis - 3);
-      if (q[axis - 3] < 0) n = -n;
-    } else {
-      const auto R = X.linear();
-      const int i = (axis - 6) / 3, j = (axis - 6) % 3, k = (i + 1) % 3, l = (i + 2) % 3;
-      const double inverse = 1 / std::sqrt(R(k, j) * R(k, j) + R(l, j) * R(l, j));
-      const double scale = p[l] * R(k, j) - p[k] * R(l, j) < 0 ? -inverse : inverse;
-      n[k] = -R(l, j) * scale;
-      n[l] = R(k, j) * scale;
-    }
-    return n;
+    rounding = kAxisRounding * std::numeric_limits<double>::epsilon() * sum3(half_a + half_b + abs(p));
   }
 
   const Eigen::Vector3d &a, &b;
@@ -126,7 +100,27 @@ Best best_axis(const Relative& x) {
 AxisSeparation largest_separation(const Box& a, const Box& b, const Pose& X_AB) {
   const Relative x(a, b, X_AB);
   const Best best = best_axis(x);
-  return {best.axis < kFirstEdge ? best.gap.numerator : best.gap.value(), best.axis, x.normal(best.axis)};
+  return {best.axis < kFirstEdge ? best.gap.numerator : best.gap.value(), best.axis,
+          axis_normal(X_AB, best.axis)};
+}
+
+Eigen::Vector3d axis_normal(const Pose& X_AB, int axis) {
+  const auto R = X_AB.linear();
+  const Eigen::Vector3d p = X_AB.translation();
+  Eigen::Vector3d n = Eigen::Vector3d::Zero();
+  if (axis < 3) {
+    n[axis] = p[axis] < 0 ? -1 : 1;
+  } else if (axis < kFirstEdge) {
+    n = R.col(axis - 3);
+    if (n.dot(p) < 0) n = -n;
+  } else {
+    const int i = (axis - kFirstEdge) / 3, j = (axis - kFirstEdge) % 3, k = (i + 1) % 3, l = (i + 2) % 3;
+    const double inverse = 1 / std::sqrt(R(k, j) * R(k, j) + R(l, j) * R(l, j));
+    const double scale = p[l] * R(k, j) - p[k] * R(l, j) < 0 ? -inverse : inverse;
+    n[k] = -R(l, j) * scale;
+    n[l] = R(k, j) * scale;
+  }
+  return n;
 }
 
 NamedSeparation largest_separation(const Box& a, const Box& b, const Pose& X_AB, const std::array<int, 3>& named) {

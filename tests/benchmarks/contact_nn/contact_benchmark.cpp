@@ -7,7 +7,10 @@
 //   far:     apart
 #include <benchmark/benchmark.h>
 
+#include "contact_nn/batch.h"
 #include "contact_nn/contact.h"
+#include "contact_nn/dataset.h"
+#include "contact_nn/manifold.h"
 #include "contact_nn/pieces.h"
 #include "contact_nn/separating_axes.h"
 #include "tests/unit/contact_nn/poses.h"
@@ -71,6 +74,60 @@ void possible_pieces_of(benchmark::State& state, Pose (*pose_of)()) {
   for (auto _ : state) benchmark::DoNotOptimize(possible_pieces(kContainer, kContainer, varied(X_AB, ++i)));
 }
 
+// 64 pairs, time of all of them: all in contact, or all from 0.1 mm to 1 m apart.
+std::vector<BoxPair> yard(bool touching) {
+  std::vector<BoxPair> pairs;
+  for (const BoxPair& pair : sample_pairs(1000, {PoseDomain::landing, PoseDomain::any},
+                                          touching ? GapRange{0.01, 0} : GapRange{0.01, 1}, 1)) {
+    const double gap = separation(pair.a, pair.b, pair.X_AB);
+    if ((touching ? gap < 0 : gap > 1e-4) && pairs.size() < 64) pairs.push_back(pair);
+  }
+  return pairs;
+}
+
+void queries_one_by_one(benchmark::State& state, bool touching) {
+  const auto pairs = yard(touching);
+  std::vector<Manifold> answers(pairs.size());
+  for (auto _ : state) {
+    for (std::size_t i = 0; i < pairs.size(); ++i)
+      answers[i] = contact_manifold(pairs[i].a, pairs[i].b, pairs[i].X_AB, 0);
+    benchmark::DoNotOptimize(answers.data());
+    benchmark::ClobberMemory();
+  }
+}
+void separations_one_by_one(benchmark::State& state, bool touching) {
+  const auto pairs = yard(touching);
+  std::vector<double> gaps(pairs.size());
+  for (auto _ : state) {
+    for (std::size_t i = 0; i < pairs.size(); ++i) gaps[i] = separation(pairs[i].a, pairs[i].b, pairs[i].X_AB);
+    benchmark::DoNotOptimize(gaps.data());
+    benchmark::ClobberMemory();
+  }
+}
+void separations_in_a_batch(benchmark::State& state, bool touching) {
+  const auto pairs = yard(touching);
+  std::vector<GapAndAxis> answers(pairs.size());
+  for (auto _ : state) {
+    separations(pairs.data(), pairs.size(), answers.data());
+    benchmark::DoNotOptimize(answers.data());
+    benchmark::ClobberMemory();
+  }
+}
+
+void find_touching_in_a_batch(benchmark::State& state, bool touching) {
+  const auto pairs = yard(touching);
+  std::vector<std::size_t> found(pairs.size());
+  for (auto _ : state) benchmark::DoNotOptimize(find_touching(pairs.data(), pairs.size(), 0, found.data()));
+}
+
+BENCHMARK_CAPTURE(queries_one_by_one, touching, true);
+BENCHMARK_CAPTURE(queries_one_by_one, apart, false);
+BENCHMARK_CAPTURE(separations_one_by_one, touching, true);
+BENCHMARK_CAPTURE(separations_in_a_batch, touching, true);
+BENCHMARK_CAPTURE(separations_one_by_one, apart, false);
+BENCHMARK_CAPTURE(separations_in_a_batch, apart, false);
+BENCHMARK_CAPTURE(find_touching_in_a_batch, touching, true);
+BENCHMARK_CAPTURE(find_touching_in_a_batch, apart, false);
 BENCHMARK_CAPTURE(force, potential/flat, Law::potential, false, flat);
 BENCHMARK_CAPTURE(force, potential/aligned, Law::potential, false, aligned);
 BENCHMARK_CAPTURE(force, potential/corner, Law::potential, false, corner);
