@@ -139,10 +139,10 @@ void edge_point(const Box& a, const Box& b, const Pose& X_AB, int i, int j, doub
     if (k != j) o_b -= sign(n.dot(R.col(k))) * b.half[k] * R.col(k);
   }
   const Vector3d e = Vector3d::Unit(i), f = R.col(j), d = o_b - o_a;
-  const double sine = n.dot(e.cross(f));
-  const double s = d.dot(f.cross(n)) / sine, t = d.dot(e.cross(n)) / sine;
+  const double inverse = 1 / n.dot(e.cross(f));  // of the edges' sine
+  const double s = d.dot(f.cross(n)) * inverse, t = d.dot(e.cross(n)) * inverse;
   // Where the edges are nearly parallel rounding moves the feet along them by 1 / sine.
-  const double slack = tolerance / std::abs(sine);
+  const double slack = tolerance * std::abs(inverse);
   const bool facing = std::abs(s) <= a.half[i] + slack && std::abs(t) <= b.half[j] + slack;
   if (manifold.gap > 0 && !facing) return;
   const Vector3d on_a = o_a + std::clamp(s, -a.half[i], a.half[i]) * e;
