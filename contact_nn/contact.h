@@ -62,7 +62,8 @@ struct ContactForce {
 
 // `potential`: p-norm potential over the overlapping surfaces, force and torque its gradient.
 // `points`: springs at the points of the manifold.
-enum class Law { potential, points };
+// `learned`: a network for the potential where it was trained, `potential` elsewhere (learned_potential.h).
+enum class Law { potential, points, learned };
 
 // Who finds where the boxes touch: closed form over everything, or a gate network followed by closed form
 // on what it names, checked.

@@ -19,6 +19,7 @@
 
 #include "contact_nn/check_command.h"
 #include "contact_nn/gate_training.h"
+#include "contact_nn/learned_potential_command.h"
 #include "contact_nn/onnx_file.h"
 #include "contact_nn/separating_axes.h"
 
@@ -369,6 +370,7 @@ void add_contact_commands(CLI::App& app) {
   command->callback([bench] { run_bench(*bench); });
 
   add_check_command(*contact);
+  add_learned_commands(*contact);
 }
 
 }  // namespace quayside::contact_nn

@@ -7,5 +7,6 @@ namespace quayside::contact_nn {
 
 std::string_view embedded_gate_potential();
 std::string_view embedded_gate_points();
+std::string_view embedded_potential_landing();
 
 }  // namespace quayside::contact_nn

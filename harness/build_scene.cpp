@@ -256,7 +256,9 @@ crane_models::Scene build_scene(const cases::Case& description) {
 contact_nn::ContactSettings contact_settings(const cases::ContactSpec& spec) {
   contact_nn::ContactSettings settings;
   settings.model = spec.model == "exact" ? contact_nn::Model::exact : contact_nn::Model::committee;
-  settings.law = spec.law == "points" ? contact_nn::Law::points : contact_nn::Law::potential;
+  settings.law = spec.law == "points"    ? contact_nn::Law::points
+                 : spec.law == "learned" ? contact_nn::Law::learned
+                                         : contact_nn::Law::potential;
   settings.stiffness = spec.stiffness;
   settings.restitution = spec.restitution;
   settings.reference_speed = spec.reference_speed;

@@ -1,0 +1,280 @@
+#include "contact_nn/learned_potential.h"
+
+#include <cmath>
+#include <functional>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "contact_nn/learned_potential_training.h"
+#include "contact_nn/separating_axes.h"
+#include "tests/unit/contact_nn/poses.h"
+
+namespace quayside::contact_nn {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+using test::kContainer;
+using test::pose;
+using test::rotation;
+
+ContactSettings elastic() {
+  ContactSettings s;
+  s.model = Model::exact;
+  s.law = Law::learned;
+  s.friction = 0;
+  s.restitution = 1;
+  return s;
+}
+
+ContactSettings exact_of(ContactSettings s) {
+  s.law = Law::potential;
+  return s;
+}
+
+// Pairs of the domain (reach 1) or of the domain and its seam (1.25).
+template <class Function>
+void for_landings(double reach, int count, Function f) {
+  Random random(7);
+  for (const LandingPoses poses : {LandingPoses::any, LandingPoses::resting, LandingPoses::aligned})
+    for (int i = 0; i < count; ++i) f(sample_landing(poses, reach, random));
+}
+
+ContactForce force_of(const ContactModule& module, const BoxPair& x, const RelativeVelocity& V = {}) {
+  ContactCounters counters;
+  return module.force(x.a, x.b, x.X_AB, V, counters);
+}
+
+// ---- gradient -------------------------------------------------------------------------------------------------
+
+// Central differences of the energy, in double precision. Their error is h²/6 U‴: with h = 1e-3 of the gap, over which the
+// depths and so U change, relative 1e-6 at most times the constants of a sharp seam; rounding of U (1e-14 of 1e-5 m depths
+// measured from 100 m: 1e-9 relative) over h: 1e-6. Bound: 1e-4 of the force, and of its moment over the boxes' size.
+TEST(LearnedPotential, ForceAndTorqueAreTheGradientOfTheEnergyAlsoAcrossTheSeam) {
+  const auto module = make_learned_module_in_double(elastic());
+  const auto exact = make_contact_module(exact_of(elastic()));
+  int seam = 0;
+  for_landings(1.25, 300, [&](const BoxPair& x) {
+    const double gap = -separation(x.a, x.b, x.X_AB);
+    if (gap < 1e-4) return;  // rounding would decide
+    const ContactForce f = force_of(*module, x);
+    ASSERT_TRUE(f.touching);
+    ContactCounters counters;
+    module->force(x.a, x.b, x.X_AB, {}, counters);
+    seam += counters.fallbacks > 0 && counters.network_evaluations > 0;
+    const auto energy = [&](const Pose& X) { return force_of(*module, {x.a, x.b, X}).potential_energy; };
+    const double h = 1e-3 * gap, arm = x.a.half.norm() + x.b.half.norm();
+    Vector3d force, torque;
+    for (int i = 0; i < 3; ++i) {
+      const Pose move = pose(h * Vector3d::Unit(i)), back = pose(-h * Vector3d::Unit(i));
+      force[i] = (energy(back * x.X_AB) - energy(move * x.X_AB)) / (2 * h);
+      const double turn = h / arm;
+      const Pose left = pose(Vector3d::Zero(), rotation(turn, Vector3d::Unit(i)));
+      torque[i] = (energy(left.inverse() * x.X_AB) - energy(left * x.X_AB)) / (2 * turn);
+    }
+    EXPECT_LT((f.f_A - force).norm(), 1e-4 * f.f_A.norm());
+    EXPECT_LT((f.t_A - torque).norm(), 1e-4 * f.f_A.norm() * arm);
+  });
+  EXPECT_GT(seam, 30);
+}
+
+// What is deployed computes the network in single precision: the rest of the way is the same. Rounding is amplified by the
+// gradient's cancellations, tens of times 6e-8.
+TEST(LearnedPotential, SinglePrecisionIsGoodEnough) {
+  const auto single = make_learned_module(elastic()), twice = make_learned_module_in_double(elastic());
+  for_landings(1.25, 300, [&](const BoxPair& x) {
+    const ContactForce f = force_of(*single, x), g = force_of(*twice, x);
+    EXPECT_LT((f.f_A - g.f_A).norm(), 1e-4 * g.f_A.norm());
+    EXPECT_NEAR(f.potential_energy / g.potential_energy, 1, 1e-4);
+  });
+}
+
+// ---- zero, exact, continuous ----------------------------------------------------------------------------------
+
+// No phantom and no missed contact. The gap is moved by ±1e-9 m around zero, more than rounding (1e-13 m).
+TEST(LearnedPotential, ZeroWhenApartAndOnlyThen) {
+  const auto module = make_learned_module(elastic());
+  for_landings(1, 1000, [&](BoxPair x) {
+    // Along z of A, the direction it was set down in from either side.
+    const double up = x.X_AB.translation().z() < 0 ? -1 : 1;
+    double low = 0, high = 1;
+    const double from = x.X_AB.translation().z();
+    for (int i = 0; i < 80; ++i) {
+      const double middle = 0.5 * (low + high);
+      x.X_AB.translation().z() = from + up * middle;
+      (separation(x.a, x.b, x.X_AB) > 0 ? high : low) = middle;
+    }
+    for (const double gap : {1e-9, 1e-6, 1e-3, 0.1}) {
+      x.X_AB.translation().z() = from + up * (high + gap);
+      const ContactForce f = force_of(*module, x);
+      EXPECT_FALSE(f.touching);
+      EXPECT_EQ(f.f_A, Vector3d::Zero());
+      EXPECT_EQ(f.t_A, Vector3d::Zero());
+      EXPECT_EQ(f.potential_energy, 0);
+    }
+    x.X_AB.translation().z() = from + up * (low - 1e-9);
+    EXPECT_TRUE(force_of(*module, x).touching);
+  });
+}
+
+TEST(LearnedPotential, OutsideTheDomainItIsTheExactLawToTheLastBit) {
+  ContactSettings settings;
+  settings.model = Model::exact;  // the committee would count its gate's evaluations
+  settings.law = Law::learned;
+  const auto module = make_contact_module(settings), exact = make_contact_module(exact_of(settings));
+  RelativeVelocity V;
+  V.v_A = {0.01, 0.02, -0.1};
+  int compared = 0;
+  for (const BoxPair& x : sample_pairs(3000, {PoseDomain::side, PoseDomain::any}, GapRange{}, 3)) {
+    ContactCounters counters;
+    const ContactForce f = module->force(x.a, x.b, x.X_AB, V, counters), g = force_of(*exact, x, V);
+    if (counters.network_evaluations > 0) continue;  // in the domain or its seam
+    ++compared;
+    EXPECT_EQ(f.f_A, g.f_A);
+    EXPECT_EQ(f.t_A, g.t_A);
+  }
+  EXPECT_GT(compared, 2500);
+}
+
+// Through every part of the seam: halving the steps halves the largest change of the force, as it would not if there were a
+// jump. (A step in the seam is a few hundredths of it, so the change is nearly linear in the step.)
+TEST(LearnedPotential, ContinuousAcrossTheSeam) {
+  const auto module = make_learned_module(elastic());
+  const double d = M_PI / 180, top = 2 * kContainer.half.z();
+  const struct {
+    const char* name;
+    std::function<Pose(double)> at;
+  } sweeps[] = {
+      {"tilt", [&](double t) {
+         const Matrix3d R = rotation(0.5 * d + t * 2.5 * d, {1, 0.3, 0});
+         return test::at_depth(kContainer, kContainer, pose({0.1, 0.2, 0}, R), Vector3d::UnitZ(), 0.01);
+       }},
+      {"yaw", [&](double t) { return pose({0.1, 0.2, top - 0.005}, rotation(t * 8 * d, Vector3d::UnitZ())); }},
+      {"depth", [&](double t) { return pose({0.1, 0.2, top - 0.06 * t}, rotation(0.1 * d, {1, 2, 3})); }},
+      {"lift-off", [&](double t) { return pose({0.1, 0.2, top + 2e-3 * (t - 0.5)}, rotation(1e-4, {1, 2, 3})); }},
+      {"overlap", [&](double t) { return pose({11.5 + 0.6 * t, 0.2, top - 0.005}, rotation(0.02 * d, {1, 2, 3})); }},
+      {"aligned", [&](double t) { return pose({0.1, 0.2, top - 5e-4}, rotation(1e-3 * (t - 0.5), {0.3, 1, 0.2})); }},
+  };
+  for (const auto& sweep : sweeps) {
+    const auto largest_change = [&](int steps) {
+      double most = 0;
+      Vector3d before = force_of(*module, {kContainer, kContainer, sweep.at(0)}).f_A;
+      for (int i = 1; i <= steps; ++i) {
+        const Vector3d f = force_of(*module, {kContainer, kContainer, sweep.at(i / double(steps))}).f_A;
+        most = std::max(most, (f - before).norm());
+        before = f;
+      }
+      return most;
+    };
+    const double coarse = largest_change(1000), fine = largest_change(2000);
+    EXPECT_GT(coarse, 0) << sweep.name;
+    EXPECT_LT(fine, 0.6 * coarse) << sweep.name;
+  }
+}
+
+// ---- accuracy -------------------------------------------------------------------------------------------------
+
+// Limits a little above what the shipped network reaches on 20,000 pairs of each kind (`quayside contact potential evaluate`).
+TEST(LearnedPotential, ShippedNetworkIsAsGoodAsPublished) {
+  const auto module = make_learned_module(elastic());
+  const auto errors = [&](LandingPoses poses) {
+    Random random(99);
+    std::vector<BoxPair> pairs;
+    for (int i = 0; i < 5000; ++i) pairs.push_back(sample_landing(poses, 1, random));
+    return potential_errors(*module, pairs);
+  };
+  const PotentialErrors any = errors(LandingPoses::any), aligned = errors(LandingPoses::aligned);
+  EXPECT_LT(any.force_median, 0.009);
+  EXPECT_LT(any.force_p99, 0.12);
+  EXPECT_LT(aligned.force_median, 0.002);
+  EXPECT_LT(aligned.force_p99, 0.02);
+  EXPECT_EQ(any.covered, 1);
+}
+
+// Exactly aligned and centred: no force sideways, no torque, nothing but the flat contact, to the network's error.
+TEST(LearnedPotential, AlignedBoxesArePressedStraightApart) {
+  const auto module = make_learned_module(elastic()), exact = make_learned_module(elastic());
+  for (const double depth : {1e-5, 3e-4, 1e-3, 1e-2}) {
+    const BoxPair x{kContainer, kContainer, pose({0, 0, 2 * kContainer.half.z() - depth})};
+    const ContactForce f = force_of(*module, x), g = force_of(*make_contact_module(exact_of(elastic())), x);
+    EXPECT_NEAR(f.f_A.z() / g.f_A.z(), 1, 0.01) << depth;
+    EXPECT_LT(f.f_A.head<2>().norm(), 1e-3 * g.f_A.z()) << depth;
+    EXPECT_LT(f.t_A.norm(), 0.1 * g.f_A.z()) << depth;  // a lever of 10 cm on a box of 12 m
+  }
+}
+
+// ---- batches, motion, files -------------------------------------------------------------------------------------
+
+// The same numbers in another order of sums: rounding of single precision.
+TEST(LearnedPotential, BatchesAnswerAsSingleCalls) {
+  ContactSettings settings;
+  settings.law = Law::learned;
+  const auto module = make_learned_module(settings), bare = make_learned_module(elastic());
+  std::vector<LearnedPair> pairs;
+  RelativeVelocity V;
+  V.v_A = {0.01, 0.02, -0.1};
+  V.w_A = {0.01, 0.03, 0.02};
+  for_landings(1.25, 50, [&](const BoxPair& x) { pairs.push_back({x.a, x.b, x.X_AB, V}); });
+  for (const BoxPair& x : sample_pairs(50, all_pose_domains(), GapRange{0.05, 0.05}, 5))
+    pairs.push_back({x.a, x.b, x.X_AB, V});
+  std::vector<ContactForce> forces(pairs.size());
+  ContactCounters batch, single;
+  module->forces(pairs.data(), pairs.size(), forces.data(), batch);
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    const ContactForce f = module->force(pairs[i].a, pairs[i].b, pairs[i].X_AB, V, single);
+    EXPECT_EQ(forces[i].touching, f.touching);
+    // Damping may have taken away the whole force, but not the torsion that goes with it: the elastic force is the measure.
+    const double load = force_of(*bare, {pairs[i].a, pairs[i].b, pairs[i].X_AB}).f_A.norm();
+    const double arm = pairs[i].a.half.norm() + pairs[i].b.half.norm();
+    EXPECT_LE((forces[i].f_A - f.f_A).norm(), 1e-4 * (load + f.f_A.norm())) << i;
+    EXPECT_LE((forces[i].t_A - f.t_A).norm(), 1e-4 * (load + f.f_A.norm()) * arm) << i;
+  }
+  EXPECT_EQ(batch.queries, single.queries);
+  EXPECT_EQ(batch.fallbacks, single.fallbacks);
+}
+
+// The reported dissipation is the power of the whole wrench less that of the elastic one, and never negative.
+TEST(LearnedPotential, DampingAndFrictionOnlyTakeEnergy) {
+  ContactSettings settings = elastic();
+  settings.friction = 0.4;
+  settings.restitution = 0.3;
+  const auto module = make_learned_module(settings), bare = make_learned_module(elastic());
+  Random random(3);
+  for_landings(1.25, 300, [&](const BoxPair& x) {
+    RelativeVelocity V;
+    V.v_A = random.uniform(0, 2) * random.direction();
+    V.w_A = random.uniform(0, 0.3) * random.direction();
+    const ContactForce f = force_of(*module, x, V), e = force_of(*bare, x);
+    const Vector3d force = f.f_A - e.f_A, torque = f.t_A - e.t_A - x.X_AB.translation().cross(force);
+    const double taken = -(force.dot(V.v_A) + torque.dot(V.w_A));
+    EXPECT_GE(f.dissipated_power, 0);
+    EXPECT_GE(f.normal_force, 0);
+    EXPECT_NEAR(f.dissipated_power, taken, 1e-9 * (e.f_A.norm() + f.f_A.norm()) * 10);
+  });
+}
+
+TEST(LearnedPotential, AnotherInterfaceIsRefused) {
+  ContactSettings settings;
+  settings.law = Law::learned;
+  settings.network = "/no/such/file.onnx";
+  EXPECT_THROW(make_contact_module(settings), std::runtime_error);
+}
+
+// Training is a function of its options: the same seed, the same bytes.
+TEST(LearnedPotential, TrainingIsDeterministicAndLearns) {
+  PotentialTrainingOptions options;
+  options.pairs = 2000;
+  options.steps = 50;
+  const std::string once = network_bytes(train_potential(options)), again = network_bytes(train_potential(options));
+  EXPECT_EQ(once, again);
+  double first = 0, last = 0;
+  options.steps = 2001;
+  options.progress = [&](long step, double loss) { (step == 0 ? first : last) = loss; };
+  train_potential(options);
+  EXPECT_GT(first, 0);  // running mean from zero over the first steps
+  EXPECT_LT(last, 0.15);
+}
+
+}  // namespace
+}  // namespace quayside::contact_nn
