@@ -99,6 +99,20 @@ struct ScriptEntry {
   std::vector<std::pair<std::string, bool>> commands;   // "twistlocks": closed?
 };
 
+// A foreign FMU that runs along.
+struct UnitSpec {
+  std::string name;
+  std::filesystem::path fmu;  // as written; relative to the case file's folder
+  std::vector<std::pair<std::string, double>> parameters;  // booleans: 0 or 1
+  std::filesystem::path file;  // where `fmu` is
+};
+
+// From an output to an input. "UNIT.VARIABLE" for a unit's variable; else a signal of the scene, or command.<drive> and
+// command.<command>, which take that drive or command away from the script.
+struct ConnectionSpec {
+  std::string from, to;
+};
+
 // What a run must show. Vector signals ("load.position") are compared as vectors.
 struct Expectation {
   enum class Kind { value, comparison, event };
@@ -135,12 +149,17 @@ struct Case {
   SolverSpec solver;
   bool allow_overlap = false;
   double output_interval = 0.01;  // [s]
+  std::vector<UnitSpec> units;
+  std::vector<ConnectionSpec> connections;
   std::vector<ScriptEntry> script;
   std::vector<Expectation> expectations;
 };
 
 // Overrides are "key.path=value" as on the command line, applied before checking. Throws CaseError.
 Case load_case(const std::filesystem::path& file, const std::vector<std::string>& overrides = {});
+
+// The text of a case file that loads as this one does with these overrides. Throws CaseError.
+std::string case_text(const std::filesystem::path& file, const std::vector<std::string>& overrides = {});
 
 // The JSON Schema of the format (draft 2020-12), as text.
 const char* case_schema();

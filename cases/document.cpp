@@ -1,6 +1,7 @@
 #include "cases/document.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cerrno>
 #include <charconv>
 #include <cstring>
@@ -257,6 +258,53 @@ void apply_override(Node& root, const std::filesystem::path& file, const std::st
     start = dot + 1;
   }
   *node = std::move(value);
+}
+
+namespace {
+
+// Numbers and words stand bare, since quotes would make texts of them; all else goes in quotes.
+std::string scalar_text(const Node& node) {
+  const auto letter = [](unsigned char c) { return c < 0x80 && std::isalnum(c); };
+  const auto bare = [&](unsigned char c) { return letter(c) || c == '_' || c == '.' || c == '+' || c == '-'; };
+  if (!node.quoted && std::any_of(node.text.begin(), node.text.end(), letter) &&
+      std::all_of(node.text.begin(), node.text.end(), bare)) {
+    return node.text;
+  }
+  std::string quoted = "\"";
+  for (const char c : node.text) {
+    if (c == '"' || c == '\\') {
+      quoted += std::string("\\") + c;
+    } else if (c == '\n') {
+      quoted += "\\n";
+    } else if (static_cast<unsigned char>(c) < 0x20) {
+      quoted += fmt::format("\\x{:02x}", static_cast<unsigned char>(c));
+    } else {
+      quoted += c;
+    }
+  }
+  return quoted + "\"";
+}
+
+std::string flow_text(const Node& node) {
+  if (node.kind == Node::Kind::nothing) return "null";
+  if (node.kind == Node::Kind::scalar) return scalar_text(node);
+  const bool mapping = node.kind == Node::Kind::mapping;
+  std::string text = mapping ? "{" : "[";
+  for (std::size_t i = 0; i < node.items.size(); ++i) {
+    if (i > 0) text += ", ";
+    if (mapping) text += node.keys[i].text + ": ";
+    text += flow_text(node.items[i]);
+  }
+  return text + (mapping ? "}" : "]");
+}
+
+}  // namespace
+
+std::string to_text(const Node& root) {
+  if (root.kind != Node::Kind::mapping) return flow_text(root) + "\n";
+  std::string text;
+  for (std::size_t i = 0; i < root.keys.size(); ++i) text += root.keys[i].text + ": " + flow_text(root.items[i]) + "\n";
+  return text;
 }
 
 }  // namespace quayside::cases

@@ -37,6 +37,9 @@ std::string location(const std::filesystem::path& file, const Origin& origin);
 // large, empty, not text, ill-formed, nested too deeply, with duplicate keys, aliases, tags or keys that are not text.
 Node read_document(const std::filesystem::path& file);
 
+// The tree as YAML in one line a top-level key: reads back as the same tree, but for lines and overrides.
+std::string to_text(const Node& root);
+
 // Applies "key.path=value" to the tree; the value is YAML. Entries of lists are addressed by index or by their `name`,
 // mappings that are missing on the way are made. Throws CaseError.
 void apply_override(Node& root, const std::filesystem::path& file, const std::string& text);

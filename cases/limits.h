@@ -62,6 +62,7 @@ constexpr std::size_t kMaxFileBytes = 1'000'000;  // the largest legal case need
 constexpr std::size_t kMaxNodes = 50'000;         // values in one file
 constexpr std::size_t kMaxDepth = 16;             // the format itself needs 5
 constexpr std::size_t kMaxBodies = 200;           // containers, and as many bodies; pairs grow with the square
+constexpr std::size_t kMaxUnits = 100;           // foreign FMUs, each a library of its own in memory
 constexpr std::size_t kMaxEntries = 1000;         // of script and expectations
 constexpr std::size_t kMaxText = 1000;            // characters of a title or a reason
 constexpr std::size_t kMaxName = 40;              // characters; names become parts of signal names

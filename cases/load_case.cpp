@@ -45,11 +45,49 @@ SolverSpec read_solver(const Value& value) {
   return solver;
 }
 
+UnitSpec read_unit(const Value& value) {
+  UnitSpec unit;
+  const Mapping mapping = value.mapping({"name", "fmu", "parameters"});
+  unit.name = mapping["name"].name();
+  unit.fmu = mapping["fmu"].text();
+  if (const auto parameters = mapping.find("parameters")) {
+    for (const Value& entry : parameters->list(kMaxEntries)) {
+      const Mapping parameter = entry.mapping({"name", "value"});
+      const Value number = parameter["value"];
+      unit.parameters.emplace_back(parameter["name"].text(),
+                                   number.is_number() ? number.number(kSignal) : number.boolean() ? 1.0 : 0.0);
+    }
+  }
+  return unit;
+}
+
+// Whether what is named exists only shows when the scene is built and the FMUs are loaded.
+void read_units(const Mapping& root, Case& result) {
+  if (const auto units = root.find("units")) {
+    for (const Value& value : units->list(kMaxUnits)) {
+      UnitSpec unit = read_unit(value);
+      const auto taken = [&](const auto& other) { return other.name == unit.name; };
+      if (unit.name == "command" || unit.name == "drives" || std::any_of(result.units.begin(), result.units.end(), taken) ||
+          std::any_of(result.containers.begin(), result.containers.end(), taken) ||
+          std::any_of(result.bodies.begin(), result.bodies.end(), taken)) {
+        value.child("name").refuse(fmt::format("the name '{}' is taken, expected another name", unit.name));
+      }
+      result.units.push_back(std::move(unit));
+    }
+  }
+  if (const auto connections = root.find("connections")) {
+    for (const Value& value : connections->list(kMaxEntries)) {
+      const Mapping mapping = value.mapping({"from", "to"});
+      result.connections.push_back({mapping["from"].text(), mapping["to"].text()});
+    }
+  }
+}
+
 Case read_case(const Value& document) {
   Case result;
   const Mapping root =
       document.mapping({"title", "duration", "crane", "spreader", "containers", "bodies", "ground", "gravity",
-                        "contact", "solver", "allow_overlap", "output", "script", "expect"});
+                        "contact", "solver", "allow_overlap", "output", "units", "connections", "script", "expect"});
   result.title = root["title"].text();
   result.duration = root["duration"].number(kDuration);
   if (const auto crane = root.find("crane")) result.crane = read_crane(*crane);
@@ -82,6 +120,7 @@ Case read_case(const Value& document) {
         "{:.0f} rows of output at an interval of {} s, expected at most {:.0f}: set a longer output.interval",
         result.duration / result.output_interval, result.output_interval, kMaxRows));
   }
+  read_units(root, result);
   if (const auto script = root.find("script")) {
     for (const Value& value : script->list(kMaxEntries)) result.script.push_back(read_script_entry(value, context));
   }
@@ -92,12 +131,22 @@ Case read_case(const Value& document) {
   return result;
 }
 
-}  // namespace
-
-Case load_case(const std::filesystem::path& file, const std::vector<std::string>& overrides) {
+Node effective_document(const std::filesystem::path& file, const std::vector<std::string>& overrides) {
   Node root = read_document(file);
   for (const std::string& text : overrides) apply_override(root, file, text);
+  return root;
+}
+
+}  // namespace
+
+std::string case_text(const std::filesystem::path& file, const std::vector<std::string>& overrides) {
+  return to_text(effective_document(file, overrides));
+}
+
+Case load_case(const std::filesystem::path& file, const std::vector<std::string>& overrides) {
+  const Node root = effective_document(file, overrides);
   Case result = read_case(Value(file, root));
+  for (UnitSpec& unit : result.units) unit.file = file.parent_path() / unit.fmu;
   result.file = file;
   result.name = file.stem().string();
   return result;

@@ -112,7 +112,42 @@ DriveUnit::DriveUnit(const std::string& name, const cases::Case& description, co
     }
     script_.push_back(std::move(entry));
   }
+
+  commands_ = scene.commands.size();
+  first_command_input_ = variables_.size() - kPerDrive * drives_.size();
+  for (const auto& drive : drives_) {
+    variables_.push_back({"command." + drive.name, drive.unit + "/s", Causality::input, Type::float64,
+                          "speed that the operator asks for: " + drive.meaning, 0});
+  }
+  for (const auto& command : scene.commands) {
+    variables_.push_back({"command." + command.name, "", Causality::input, Type::boolean,
+                          "what the operator asks for: " + command.meaning, command.start ? 1.0 : 0.0});
+  }
+  by_input_.assign(drives_.size() + commands_, false);
   reset();
+}
+
+void DriveUnit::hand_over(const std::string& drive_or_command, bool to_input) {
+  const std::size_t input = find(variables_, "command." + drive_or_command);
+  if (input == variables_.size()) {
+    throw std::invalid_argument(fmt::format("{}: no drive or command \"{}\"", name_, drive_or_command));
+  }
+  by_input_[input - kPerDrive * drives_.size() - first_command_input_] = to_input;
+}
+
+double DriveUnit::commanded_rate(std::size_t drive) const {
+  const auto& limits = drives_[drive];
+  return limits.sign * std::clamp(commanded(drive), -limits.max_speed, limits.max_speed);
+}
+
+bool DriveUnit::needs_event_mode() const {
+  for (std::size_t i = 0; i < drives_.size(); ++i) {
+    if (by_input_[i] && commanded_rate(i) != segments_[i].target) return true;
+  }
+  for (std::size_t i = 0; i < commands_; ++i) {
+    if (by_input_[drives_.size() + i] && commanded(drives_.size() + i) != values_[i]) return true;
+  }
+  return false;
 }
 
 void DriveUnit::reset() {
@@ -139,6 +174,9 @@ double DriveUnit::get(ValueReference variable) const {
 void DriveUnit::set(ValueReference variable, double value) {
   if (variable >= variables_.size() || variables_[variable].causality != Causality::input) {
     throw std::invalid_argument(fmt::format("{}: variable {} is not an input", name_, variable));
+  }
+  if (!std::isfinite(value)) {
+    throw std::invalid_argument(fmt::format("{}: {} cannot be {}", name_, variables_[variable].name, value));
   }
   values_[variable - kPerDrive * drives_.size()] = value;
 }
@@ -194,13 +232,23 @@ std::optional<Time> DriveUnit::update_discrete_states() {
     progress.fired = true;
     fire(script_[i]);
   }
+  for (std::size_t i = 0; i < drives_.size(); ++i) {
+    if (by_input_[i] && commanded_rate(i) != segments_[i].target) start_ramp(i, commanded_rate(i));
+  }
+  for (std::size_t i = 0; i < commands_; ++i) {
+    if (by_input_[drives_.size() + i]) values_[i] = commanded(drives_.size() + i);
+  }
   const Time next = next_breakpoint();
   return next == kNever ? std::nullopt : std::optional<Time>(next);
 }
 
 void DriveUnit::fire(const Entry& entry) {
-  for (const auto& [drive, rate] : entry.rates) start_ramp(drive, rate);
-  for (const auto& [command, value] : entry.values) values_[command] = value;
+  for (const auto& [drive, rate] : entry.rates) {
+    if (!by_input_[drive]) start_ramp(drive, rate);
+  }
+  for (const auto& [command, value] : entry.values) {
+    if (!by_input_[drives_.size() + command]) values_[command] = value;
+  }
 }
 
 // A ramp at the drive's limit ends at a fraction of a nanosecond. It is made to end at the nearest whole one by an
@@ -257,6 +305,16 @@ void DriveUnit::restore(const UnitState& bytes) {
   }
   state.get(values_.data(), values_.size());
   state.finish();
+}
+
+void connect_drives(Master& master, const Unit& plant, const DriveUnit& drives) {
+  for (const Variable& variable : drives.variables()) {
+    if (find(plant.variables(), variable.name) == plant.variables().size()) continue;
+    const std::string at_drives = drives.name() + "::" + variable.name;
+    const std::string at_plant = plant.name() + "::" + variable.name;
+    if (variable.causality == Causality::output) master.connect(at_drives, at_plant);
+    if (variable.causality == Causality::input) master.connect(at_plant, at_drives);
+  }
 }
 
 }  // namespace quayside::harness

@@ -6,7 +6,8 @@
 //
 // Variables, named as the engines name their inputs and outputs:
 //   outputs  <drive>.value, <drive>.rate, <drive>.acceleration per drive of the scene; <command> (boolean)
-//   inputs   every landed switch of the scene (boolean); signals of engines that conditions of the script name
+//   inputs   every landed switch of the scene (boolean); signals of engines that conditions of the script name;
+//            command.<drive>, command.<command>: what an operator asks for, see `hand_over`
 //
 // Conditions on switches and signals are looked at whenever units meet: at communication points and at events. A signal
 // may also be an output of this unit ("hoist.value"). A condition that holds starts its entry once; entries that are due
@@ -18,6 +19,7 @@
 
 #include "cases/case.h"
 #include "crane_models/scene.h"
+#include "harness/master.h"
 #include "harness/unit.h"
 
 namespace quayside::harness {
@@ -44,6 +46,11 @@ class DriveUnit final : public Unit {
   void restore(const UnitState& state) override;
   void terminate() override {}
   void reset() override;
+  bool needs_event_mode() const override;
+
+  // Whose orders a drive or command of the scene obeys: the script's, as all do at first, or those of its input. The speed
+  // that an input asks for is cut to the drive's limit; ramps follow as for the script. `reset` leaves this as it is.
+  void hand_over(const std::string& drive_or_command, bool to_input);
 
  private:
   // A motor's motion since `begin`: constant acceleration until `end` (kNever: no end), then `target` speed.
@@ -68,6 +75,8 @@ class DriveUnit final : public Unit {
   crane_models::DriveMotion motion(std::size_t drive) const;
   bool holds(const Entry& entry) const;
   bool waits_for_what_holds() const;
+  double commanded(std::size_t place) const { return values_[first_command_input_ + place]; }
+  double commanded_rate(std::size_t drive) const;
   Time next_breakpoint() const;
   void finish_ramp(Segment& segment);
   void start_ramp(std::size_t drive, double target);
@@ -77,6 +86,9 @@ class DriveUnit final : public Unit {
   std::vector<crane_models::Drive> drives_;
   std::vector<Entry> script_;
   std::vector<Variable> variables_;  // three per drive, then what stands in `values_`
+  std::size_t commands_ = 0;             // at the begin of `values_`
+  std::size_t first_command_input_ = 0;  // in `values_`: one per drive, then one per command
+  std::vector<bool> by_input_;           // per drive, then per command
 
   // The state.
   Time time_ = 0;
@@ -84,5 +96,8 @@ class DriveUnit final : public Unit {
   std::vector<Progress> progress_;  // per entry of the script
   std::vector<double> values_;      // commands and inputs
 };
+
+// Connects the two both ways, by the names that their variables share.
+void connect_drives(Master& master, const Unit& plant, const DriveUnit& drives);
 
 }  // namespace quayside::harness

@@ -56,7 +56,7 @@ void Master::connect(const std::string& output, const std::string& input) {
   if (source.causality != Causality::output) refuse("the first is not an output");
   if (sink.causality != Causality::input) refuse("the second is not an input");
   if (source.type != sink.type) refuse("one is a number, the other boolean");
-  if (source.unit != sink.unit) refuse(fmt::format("their units differ, [{}] and [{}]", source.unit, sink.unit));
+  if (source.unit != sink.unit && !source.unit.empty() && !sink.unit.empty()) refuse(fmt::format("their units differ, [{}] and [{}]", source.unit, sink.unit));
   for (const Connection& other : connections_) {
     if (other.to.unit == to.unit && other.to.variable == to.variable) refuse("the input already gets " + other.name);
   }
@@ -89,6 +89,8 @@ void Master::carry_to(std::size_t unit) {
 
 void Master::initialize(Time start) {
   time_ = start;
+  terminated_ = false;
+  for (Connection& connection : connections_) connection.value = std::numeric_limits<double>::quiet_NaN();
   for (Unit* unit : units_) unit->enter_initialization_mode(start);
   carry_all();
   for (Unit* unit : units_) unit->exit_initialization_mode();  // into event mode
@@ -133,16 +135,42 @@ bool Master::step(Time goal) {
   }
   time_ = goal;
   carry_all();
-  return event || time_ == next_event_;
+  return event || time_ == next_event_ || needs_event_mode();
+}
+
+bool Master::advance_to_event(Time target) { return step(std::min(target, next_event_)); }
+
+void Master::handle_event() {
+  for (Unit* unit : units_) unit->enter_event_mode();
+  settle();
+}
+
+std::optional<Time> Master::next_event() const {
+  return next_event_ == kNever ? std::nullopt : std::optional<Time>(next_event_);
+}
+
+bool Master::needs_event_mode() const {
+  return std::any_of(units_.begin(), units_.end(), [](const Unit* unit) { return unit->needs_event_mode(); });
+}
+
+void Master::save(ByteWriter& out) const {
+  out.put(time_);
+  out.put(next_event_);
+  out.put(terminated_);
+  for (const Connection& connection : connections_) out.put(connection.value);
+}
+
+void Master::restore(ByteReader& in) {
+  in.get(time_);
+  in.get(next_event_);
+  in.get(terminated_);
+  for (Connection& connection : connections_) in.get(connection.value);
 }
 
 bool Master::advance_to(Time target) {
   for (int stalls = 0; time_ < target && !terminated_;) {
     const Time before = time_;
-    if (step(std::min(target, next_event_))) {
-      for (Unit* unit : units_) unit->enter_event_mode();
-      settle();
-    }
+    if (advance_to_event(target)) handle_event();
     stalls = time_ > before ? 0 : stalls + 1;
     if (stalls > kMaxStalls) throw StepFailed(units_[0]->name(), time_, "events follow each other without progress in time");
   }

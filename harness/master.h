@@ -1,9 +1,11 @@
 // Steps units along their connections.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "harness/state_bytes.h"
 #include "harness/unit.h"
 
 namespace quayside::harness {
@@ -22,15 +24,29 @@ class Master {
   void add(Unit& unit);
 
   // From an output to an input, both written "instance::variable". Values travel in the order of the connections. Throws
-  // std::invalid_argument for names that do not exist, wrong causality, unequal types or units, inputs already taken.
+  // std::invalid_argument for names that do not exist, wrong causality, unequal types or units, inputs already taken. A
+  // number whose unit its maker does not tell ("") goes with any.
   void connect(const std::string& output, const std::string& input);
 
-  // Throws StepFailed, as does `advance_to`; after that the master is of no further use, but the units can be read.
+  // Throws StepFailed, as does `advance_to`; after that the master is of no further use until it is initialized or restored
+  // together with its units, but the units can be read.
   void initialize(Time start);
 
   // To the communication point `target`, in as many steps as events demand. False when a unit asked for the end of the
   // simulation: then `time()` may be earlier than `target`.
   bool advance_to(Time target);
+
+  // The same in pieces, for a master above this one: one step, to `target` or to where an event ends it earlier. True when
+  // there is an event at the time that was reached; then `handle_event` has to come before the next step.
+  bool advance_to_event(Time target);
+  void handle_event();
+  std::optional<Time> next_event() const;  // the earliest that a unit has announced
+  bool needs_event_mode() const;           // of any unit
+  bool terminated() const { return terminated_; }
+
+  // What the master itself remembers; the units save their own states.
+  void save(ByteWriter& out) const;
+  void restore(ByteReader& in);
 
   void terminate();
 

@@ -9,6 +9,7 @@
 
 #include "harness/build_scene.h"
 #include "harness/drive_unit.h"
+#include "harness/fmi/fmu_unit.h"
 #include "harness/master.h"
 
 namespace quayside::harness {
@@ -17,9 +18,20 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-crane_models::ScriptUse use_of(const crane_models::Scene& scene, const std::vector<cases::ScriptEntry>& script) {
+// What a connection to command.* leads to, or nothing.
+std::string commanded_by(const cases::ConnectionSpec& connection) {
+  const std::string prefix = "command.";
+  return connection.to.rfind(prefix, 0) == 0 ? connection.to.substr(prefix.size()) : "";
+}
+
+crane_models::ScriptUse use_of(const crane_models::Scene& scene, const cases::Case& description) {
   crane_models::ScriptUse use{std::vector<bool>(scene.drives.size()), std::vector<bool>(scene.commands.size())};
-  for (const cases::ScriptEntry& line : script) {
+  for (const cases::ConnectionSpec& connection : description.connections) {
+    const std::string name = commanded_by(connection);
+    for (std::size_t i = 0; i < scene.drives.size(); ++i) use.drives_used[i] = use.drives_used[i] || name == scene.drives[i].name;
+    for (std::size_t i = 0; i < scene.commands.size(); ++i) use.commands_used[i] = use.commands_used[i] || name == scene.commands[i].name;
+  }
+  for (const cases::ScriptEntry& line : description.script) {
     for (std::size_t i = 0; i < scene.drives.size(); ++i) {
       for (const auto& [name, speed] : line.speeds) {
         if (name == scene.drives[i].name && speed != 0) use.drives_used[i] = true;
@@ -45,25 +57,23 @@ crane_models::ReductionReport nothing_reduced(const crane_models::Scene& scene) 
 // One engine with drives of its own: a plant that may stop at its events, and the drives that follow it.
 class Chain {
  public:
-  Chain(const std::string& engine, std::unique_ptr<EngineUnit> plant, DriveUnit drives)
+  Chain(const std::string& engine, std::unique_ptr<EngineUnit> plant, DriveUnit drives, const cases::Case& description)
       : plant_(std::move(plant)), drives_(std::move(drives)) {
     run_.engine = engine;
     master_.add(*plant_);
     master_.add(drives_);
-    for (const Variable& variable : drives_.variables()) {
-      const std::string at_drives = drives_.name() + "::" + variable.name;
-      const std::string at_plant = plant_->name() + "::" + variable.name;
-      if (variable.causality == Causality::output) master_.connect(at_drives, at_plant);
-      if (variable.causality == Causality::input) master_.connect(at_plant, at_drives);
+    connect_drives(master_, *plant_, drives_);
+    record_outputs(*plant_, "");
+    record_outputs(drives_, "");
+    for (const cases::UnitSpec& spec : description.units) {
+      units_.push_back(std::make_unique<FmuUnit>(spec.name, spec.file, spec.parameters));
+      master_.add(*units_.back());
+      record_outputs(*units_.back(), spec.name + ".");
     }
-    for (const Unit* unit : {static_cast<const Unit*>(plant_.get()), static_cast<const Unit*>(&drives_)}) {
-      for (ValueReference i = 0; i < unit->variables().size(); ++i) {
-        const Variable& variable = unit->variables()[i];
-        if (variable.causality != Causality::output) continue;
-        recorded_.emplace_back(unit, i);
-        run_.trajectory.names.push_back(variable.name);
-        run_.trajectory.units.push_back(variable.unit);
-      }
+    for (const cases::ConnectionSpec& connection : description.connections) {
+      const std::string commanded = commanded_by(connection);
+      if (!commanded.empty()) drives_.hand_over(commanded, true);
+      master_.connect(endpoint(connection.from), endpoint(connection.to));
     }
     run_.trajectory.columns.resize(recorded_.size());
   }
@@ -103,6 +113,30 @@ class Chain {
   }
 
  private:
+  void record_outputs(const Unit& unit, const std::string& prefix) {
+    for (ValueReference i = 0; i < unit.variables().size(); ++i) {
+      const Variable& variable = unit.variables()[i];
+      if (variable.causality != Causality::output) continue;
+      recorded_.emplace_back(&unit, i);
+      run_.trajectory.names.push_back(prefix + variable.name);
+      run_.trajectory.units.push_back(variable.unit);
+    }
+  }
+
+  // As the master writes it: what a case calls "antisway.speed" is "antisway::speed", what it calls "load.position.y" is
+  // the plant's.
+  std::string endpoint(const std::string& name) const {
+    const std::string first = name.substr(0, name.find('.'));
+    for (const auto& unit : units_) {
+      if (unit->name() == first && first.size() < name.size()) return first + "::" + name.substr(first.size() + 1);
+    }
+    for (const Variable& variable : drives_.variables()) {
+      const bool input = variable.name.rfind("command.", 0) == 0;
+      if (variable.name == name && (input || variable.causality == Causality::output)) return drives_.name() + "::" + name;
+    }
+    return plant_->name() + "::" + name;
+  }
+
   // Runs `action`; what it throws ends this engine's run, and this one's alone. The first failure is the one to report.
   template <typename Action>
   void guarded(Action action) {
@@ -126,6 +160,7 @@ class Chain {
 
   std::unique_ptr<EngineUnit> plant_;
   DriveUnit drives_;
+  std::vector<std::unique_ptr<FmuUnit>> units_;
   Master master_;
   std::vector<std::pair<const Unit*, ValueReference>> recorded_;
   std::vector<double> row_;
@@ -160,7 +195,7 @@ RunResult run_case(const cases::Case& description, const RunOptions& options, co
   if (options.full_scene) {
     result.reduction = nothing_reduced(result.scene);
   } else {
-    const crane_models::ScriptUse use = use_of(result.scene, description.script);
+    const crane_models::ScriptUse use = use_of(result.scene, description);
     result.scene = crane_models::reduce(result.scene, use, result.reduction);
   }
 
@@ -168,7 +203,7 @@ RunResult run_case(const cases::Case& description, const RunOptions& options, co
   std::vector<std::unique_ptr<Chain>> chains;  // a master refers to the units beside it: chains stay where they are
   for (const std::string& engine : options.engines) {
     auto plant = factory(engine, result.scene, contact_settings(description.contact), solver_settings(description.solver));
-    chains.push_back(std::make_unique<Chain>(engine, std::move(plant), drives));
+    chains.push_back(std::make_unique<Chain>(engine, std::move(plant), drives, description));
   }
 
   for (const auto& chain : chains) chain->initialize();

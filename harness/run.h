@@ -49,6 +49,9 @@ using EngineFactory = std::function<std::unique_ptr<EngineUnit>(
     const std::string& engine, const crane_models::Scene& scene, const contact_nn::ContactSettings& contact,
     const SolverSettings& solver)>;
 
+// Units and connections of the case run along with every engine, each with instances of its own; a unit's outputs are recorded
+// as UNIT.VARIABLE.
+//
 // Throws what building throws, std::invalid_argument for a list of engines that is empty or names one twice; failures
 // while stepping are reported per engine.
 RunResult run_case(const cases::Case& description, const RunOptions& options, const EngineFactory& factory = make_engine);

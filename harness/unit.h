@@ -75,6 +75,9 @@ class Unit {
   // From `now` (the unit's own time) by `step` > 0. Throws StepFailed.
   virtual StepResult do_step(Time now, Time step) = 0;
 
+  // In step mode: whether an input was set that only event mode can answer. The master then enters it before it steps on.
+  virtual bool needs_event_mode() const { return false; }
+
   // A save restarts the solver, so that the run that continues and the run that is restored later are the same.
   virtual UnitState save() = 0;
   virtual void restore(const UnitState& state) = 0;

@@ -8,6 +8,7 @@
 #include "harness/build_scene.h"
 #include "harness/drive_unit.h"
 #include "harness/expectations.h"
+#include "harness/fmi/fmu_unit.h"
 
 namespace quayside::harness {
 
@@ -64,6 +65,14 @@ CaseVariables case_variables(const cases::Case& description) {
   const DriveUnit drives("drives", description, scene);
   for (const Variable& variable : drives.variables())
     if (variable.causality == Causality::output) variables.outputs.push_back(variable);
+  for (const cases::UnitSpec& spec : description.units) {
+    const FmuUnit unit(spec.name, spec.file, spec.parameters);
+    for (Variable variable : unit.variables()) {
+      if (variable.causality != Causality::output) continue;
+      variable.name = spec.name + "." + variable.name;
+      variables.outputs.push_back(variable);
+    }
+  }
   return variables;
 }
 
