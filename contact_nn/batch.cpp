@@ -42,11 +42,11 @@ void transpose(Lanes (&m)[8]) {
 // Eight pairs, a number of each pair to a lane.
 struct Packed {
   explicit Packed(const BoxPair* pairs) {
-    Lanes halves[kPairs], left[kPairs], right[kPairs];  // a, b and padding; columns 0 and 1 of X_AB; columns 2 and 3
-    static_assert(sizeof(BoxPair) == 3 * sizeof(Lanes), "two boxes, padded, and a 4 × 4 matrix");
+    Lanes halves[kPairs], left[kPairs], right[kPairs];  // a, b and nothing; columns 0 and 1 of X_AB; columns 2 and 3
     for (std::size_t lane = 0; lane < kPairs; ++lane) {
-      std::memcpy(&halves[lane], &pairs[lane], sizeof(Lanes));
-      const double* X = pairs[lane].X_AB.matrix().data();
+      const auto& [a, b, X_AB] = pairs[lane];
+      halves[lane] = Lanes{a.half.x(), a.half.y(), a.half.z(), b.half.x(), b.half.y(), b.half.z(), 0, 0};
+      const double* X = X_AB.matrix().data();
       std::memcpy(&left[lane], X, sizeof(Lanes));
       std::memcpy(&right[lane], X + 8, sizeof(Lanes));
     }
