@@ -56,7 +56,8 @@ void Master::connect(const std::string& output, const std::string& input) {
   if (source.causality != Causality::output) refuse("the first is not an output");
   if (sink.causality != Causality::input) refuse("the second is not an input");
   if (source.type != sink.type) refuse("one is a number, the other boolean");
-  if (source.unit != sink.unit && !source.unit.empty() && !sink.unit.empty()) refuse(fmt::format("their units differ, [{}] and [{}]", source.unit, sink.unit));
+  const bool both_told = !source.unit.empty() && !sink.unit.empty();
+  if (both_told && source.unit != sink.unit) refuse(fmt::format("their units differ, [{}] and [{}]", source.unit, sink.unit));
   for (const Connection& other : connections_) {
     if (other.to.unit == to.unit && other.to.variable == to.variable) refuse("the input already gets " + other.name);
   }

@@ -28,8 +28,12 @@ crane_models::ScriptUse use_of(const crane_models::Scene& scene, const cases::Ca
   crane_models::ScriptUse use{std::vector<bool>(scene.drives.size()), std::vector<bool>(scene.commands.size())};
   for (const cases::ConnectionSpec& connection : description.connections) {
     const std::string name = commanded_by(connection);
-    for (std::size_t i = 0; i < scene.drives.size(); ++i) use.drives_used[i] = use.drives_used[i] || name == scene.drives[i].name;
-    for (std::size_t i = 0; i < scene.commands.size(); ++i) use.commands_used[i] = use.commands_used[i] || name == scene.commands[i].name;
+    for (std::size_t i = 0; i < scene.drives.size(); ++i) {
+      if (name == scene.drives[i].name) use.drives_used[i] = true;
+    }
+    for (std::size_t i = 0; i < scene.commands.size(); ++i) {
+      if (name == scene.commands[i].name) use.commands_used[i] = true;
+    }
   }
   for (const cases::ScriptEntry& line : description.script) {
     for (std::size_t i = 0; i < scene.drives.size(); ++i) {

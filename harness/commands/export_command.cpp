@@ -1,7 +1,7 @@
+#include <fmt/format.h>
+
 #include <filesystem>
 #include <memory>
-
-#include <fmt/format.h>
 
 #include "harness/commands/commands.h"
 #include "harness/fmi/export_fmu.h"
@@ -26,9 +26,12 @@ void add_export_command(CLI::App& app) {
       ->allow_extra_args(false)
       ->type_name("KEY.PATH=VALUE");
   command->footer(
-      "The FMU is for Co-Simulation on x86-64 Linux. It takes along every library it needs and runs on a Debian 12 machine with\n"
-      "none of our packages installed. It runs the case's script, or obeys its inputs command.* when its parameter 'script'\n"
-      "is false. Its scene is the full one: nothing is left out, since an operator may move what the script does not.\n\n"
+      "The FMU is for Co-Simulation on x86-64 Linux. It takes along every library it needs and runs on a Debian 12 "
+      "machine with\n"
+      "none of our packages installed. It runs the case's script, or obeys its inputs command.* when its parameter "
+      "'script'\n"
+      "is false. Its scene is the full one: nothing is left out, since an operator may move what the script does "
+      "not.\n\n"
       "Examples:\n"
       "  quayside export-fmu cases/land_on_stack.yaml -o crane.fmu\n"
       "  quayside export-fmu cases/free_sway.yaml --fmi 2 --set containers.load.mass=20000");
@@ -38,7 +41,8 @@ void add_export_command(CLI::App& app) {
     const fs::path out = arguments->out.empty() ? fs::path(file.stem().string() + ".fmu") : fs::path(arguments->out);
     const fs::path library = fs::canonical("/proc/self/exe").parent_path() / (std::string(kModelIdentifier) + ".so");
     export_fmu(file, arguments->overrides, arguments->version == 2 ? FmiVersion::fmi2 : FmiVersion::fmi3, library, out);
-    fmt::print("{}: FMI {}.0, {:.1f} MB\n", out.string(), arguments->version, static_cast<double>(fs::file_size(out)) / 1e6);
+    fmt::print("{}: FMI {}.0, {:.1f} MB\n", out.string(), arguments->version,
+               static_cast<double>(fs::file_size(out)) / 1e6);
   });
 }
 

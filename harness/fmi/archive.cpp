@@ -1,7 +1,9 @@
 #include "harness/fmi/archive.h"
 
+#include <fmt/format.h>
 #include <sys/stat.h>
 #include <unistd.h>
+#include <zip.h>
 
 #include <cerrno>
 #include <cstring>
@@ -9,18 +11,15 @@
 #include <memory>
 #include <stdexcept>
 
-#include <fmt/format.h>
-#include <zip.h>
-
 namespace quayside::harness {
 
 namespace fs = std::filesystem;
 
 namespace {
 
-constexpr time_t kFileTime = 946684800;                     // 2000-01-01: zip files know no time before 1980
-constexpr zip_uint32_t kCompression = 3;                    // of 1 to 9: a third of the time of 6, 5 % larger
-constexpr zip_uint64_t kLargestUnpacked = 4'000'000'000u;   // an FMU with libraries has some 30 MB [bytes]
+constexpr time_t kFileTime = 946684800;                    // 2000-01-01: zip files know no time before 1980
+constexpr zip_uint32_t kCompression = 3;                   // of 1 to 9: a third of the time of 6, 5 % larger
+constexpr zip_uint64_t kLargestUnpacked = 4'000'000'000u;  // an FMU with libraries has some 30 MB [bytes]
 constexpr zip_int64_t kMostEntries = 100'000;
 
 struct Closer {
@@ -38,7 +37,8 @@ std::string error_text(int code) {
 
 // A name that stays inside of the folder it is unpacked to.
 bool stays_inside(const std::string& name) {
-  if (name.empty() || name.front() == '/' || name.find('\\') != std::string::npos || name.find(':') != std::string::npos) {
+  if (name.empty() || name.front() == '/' || name.find('\\') != std::string::npos ||
+      name.find(':') != std::string::npos) {
     return false;
   }
   for (const fs::path& part : fs::path(name)) {
@@ -104,8 +104,10 @@ void unpack_archive(const fs::path& path, const fs::path& folder) {
   for (zip_int64_t i = 0; i < count; ++i) {
     zip_stat_t entry;
     if (zip_stat_index(archive.get(), i, 0, &entry) != 0) refuse(zip_strerror(archive.get()));
-    if (!stays_inside(entry.name)) refuse(fmt::format("its file '{}' would leave the folder it is unpacked to", entry.name));
-    if (is_link(archive.get(), i)) refuse(fmt::format("its file '{}' is a link, which an FMU has no use for", entry.name));
+    if (!stays_inside(entry.name))
+      refuse(fmt::format("its file '{}' would leave the folder it is unpacked to", entry.name));
+    if (is_link(archive.get(), i))
+      refuse(fmt::format("its file '{}' is a link, which an FMU has no use for", entry.name));
     total += entry.size;
     if (entry.size > kLargestUnpacked || total > kLargestUnpacked) refuse("unpacked it would have more than 4 GB");
   }
@@ -129,7 +131,8 @@ void unpack_archive(const fs::path& path, const fs::path& folder) {
       out.write(buffer.data(), read);
     }
     if (read < 0) refuse(fmt::format("{}: {}", name, zip_file_strerror(file.get())));
-    if (!out.flush()) throw std::runtime_error(fmt::format("{}: cannot be written; is the disk full?", target.string()));
+    if (!out.flush())
+      throw std::runtime_error(fmt::format("{}: cannot be written; is the disk full?", target.string()));
   }
 }
 

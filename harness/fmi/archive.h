@@ -30,8 +30,8 @@ class TemporaryFolder {
   std::filesystem::path path_;
 };
 
-// Throws std::invalid_argument for what is no archive, for names that leave the folder, links, and archives that are too
-// large when unpacked; nothing is written before all names have been checked.
+// Throws std::invalid_argument for what is no archive, for names that leave the folder, links, and archives that are
+// too large when unpacked; nothing is written before all names have been checked.
 void unpack_archive(const std::filesystem::path& archive, const std::filesystem::path& folder);
 
 }  // namespace quayside::harness

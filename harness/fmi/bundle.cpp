@@ -1,13 +1,13 @@
 #include "harness/fmi/bundle.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cstdio>
 #include <memory>
 #include <sstream>
 #include <stdexcept>
-
-#include <fmt/format.h>
 
 namespace quayside::harness {
 
@@ -16,8 +16,8 @@ namespace fs = std::filesystem;
 namespace {
 
 // On every Debian 12, and better not doubled in a process: a second C or C++ library would not know of the first.
-constexpr std::array<const char*, 8> kOfTheSystem{"libc.so.6",       "libm.so.6",     "libdl.so.2",   "libpthread.so.0",
-                                                  "libstdc++.so.6",  "libgcc_s.so.1", "librt.so.1",   "linux-vdso.so.1"};
+constexpr std::array<const char*, 8> kOfTheSystem{"libc.so.6",      "libm.so.6",     "libdl.so.2", "libpthread.so.0",
+                                                  "libstdc++.so.6", "libgcc_s.so.1", "librt.so.1", "linux-vdso.so.1"};
 
 std::string quoted(const std::string& argument) {
   std::string text = "'";

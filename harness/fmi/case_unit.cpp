@@ -1,8 +1,8 @@
 #include "harness/fmi/case_unit.h"
 
-#include <stdexcept>
-
 #include <fmt/format.h>
+
+#include <stdexcept>
 
 #include "harness/build_scene.h"
 #include "harness/simbody/simbody_unit.h"
@@ -66,7 +66,8 @@ void CaseUnit::set(ValueReference variable, double value) {
   }
   const auto& [unit, place] = places_[variable];
   if (unit) return unit->set(place, value);
-  if (is_running()) throw std::invalid_argument(fmt::format("{}: 'script' is fixed before the simulation begins", name_));
+  if (is_running())
+    throw std::invalid_argument(fmt::format("{}: 'script' is fixed before the simulation begins", name_));
   script_ = value != 0;
 }
 
@@ -114,7 +115,8 @@ std::optional<Time> CaseUnit::update_discrete_states() {
 StepResult CaseUnit::do_step(Time now, Time step) {
   demand(mode_ == Mode::step, "a step");
   if (now != time_ || step <= 0) {
-    throw std::invalid_argument(fmt::format("{}: a step of {} ns from {} ns, but the unit is at {} ns", name_, step, now, time_));
+    throw std::invalid_argument(
+        fmt::format("{}: a step of {} ns from {} ns, but the unit is at {} ns", name_, step, now, time_));
   }
   const Time target = now + step;
   bool event = false;

@@ -3,8 +3,9 @@
 // Nothing of the scene is left out, since an operator outside may move what the script does not.
 //
 // Variables
-//   parameter script (boolean, true): the case's script moves drives and commands. false: the inputs do, and the script rests.
-//   inputs    command.<drive> [m/s]: speed, cut to the drive's limit and reached at its acceleration; command.<command>
+//   parameter script (boolean, true): the case's script moves drives and commands. false: the inputs do, and the script
+//   rests. inputs    command.<drive> [m/s]: speed, cut to the drive's limit and reached at its acceleration;
+//   command.<command>
 //             (boolean). Without effect while `script` is true.
 //   outputs   the columns of a trajectory of the case
 #pragma once
@@ -26,7 +27,8 @@ class CaseUnit final : public Unit {
   // Throws what building the scene throws.
   CaseUnit(const std::string& name, const cases::Case& description);
 
-  // Whether a step ends where an event is, for event mode to be entered there; else events inside a step are dealt with inside.
+  // Whether a step ends where an event is, for event mode to be entered there; else events inside a step are dealt with
+  // inside.
   void set_stop_at_events(bool stop) { stop_at_events_ = stop; }
 
   const std::string& name() const override { return name_; }
@@ -35,9 +37,15 @@ class CaseUnit final : public Unit {
   void set(ValueReference variable, double value) override;
   void enter_initialization_mode(Time start) override;
   void exit_initialization_mode() override;
-  void enter_event_mode() override { demand(is_running(), "event mode"); mode_ = Mode::event; }
+  void enter_event_mode() override {
+    demand(is_running(), "event mode");
+    mode_ = Mode::event;
+  }
   std::optional<Time> update_discrete_states() override;
-  void enter_step_mode() override { demand(is_running(), "step mode"); mode_ = Mode::step; }
+  void enter_step_mode() override {
+    demand(is_running(), "step mode");
+    mode_ = Mode::step;
+  }
   StepResult do_step(Time now, Time step) override;
   bool needs_event_mode() const override { return drives_.needs_event_mode(); }
   UnitState save() override;

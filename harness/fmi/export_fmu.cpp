@@ -1,8 +1,8 @@
 #include "harness/fmi/export_fmu.h"
 
-#include <stdexcept>
-
 #include <fmt/format.h>
+
+#include <stdexcept>
 
 #include "harness/fmi/archive.h"
 #include "harness/fmi/bundle.h"
@@ -19,9 +19,9 @@ namespace {
 constexpr const char* kCompiledIn[] = {"libsundials-dev", "libeigen3-dev"};
 
 std::string licence_text(const std::vector<std::string>& packages) {
-  std::string text =
-      "This FMU holds the program Quayside " QUAYSIDE_VERSION
-      " and libraries that it uses, as packaged by Debian 12. Their copyrights and licences are beside this file, one a package:\n\n";
+  std::string text = "This FMU holds the program Quayside " QUAYSIDE_VERSION
+                     " and libraries that it uses, as packaged by Debian 12. Their copyrights and licences are beside "
+                     "this file, one a package:\n\n";
   for (const std::string& package : packages) text += "  " + package + ".txt\n";
   return text;
 }
@@ -31,11 +31,13 @@ std::string licence_text(const std::vector<std::string>& packages) {
 void export_fmu(const fs::path& case_file, const std::vector<std::string>& overrides, FmiVersion version,
                 const fs::path& library, const fs::path& fmu) {
   if (!fs::exists(library)) {
-    throw std::runtime_error(fmt::format("{}: the library for FMUs is not there; build the target quayside_fmu", library.string()));
+    throw std::runtime_error(
+        fmt::format("{}: the library for FMUs is not there; build the target quayside_fmu", library.string()));
   }
   std::string text = cases::case_text(case_file, overrides);
   const cases::Case description = cases::load_case(case_file, overrides);
-  const CaseUnit unit(kModelIdentifier, description);  // whatever is wrong with the case shows here and not at the importer's
+  const CaseUnit unit(kModelIdentifier,
+                      description);  // whatever is wrong with the case shows here and not at the importer's
   const DescriptionContents contents{description, unit.variables(), instantiation_token(text)};
 
   const std::string platform = version == FmiVersion::fmi2 ? "binaries/linux64/" : "binaries/x86_64-linux/";

@@ -1,9 +1,9 @@
 #include "harness/fmi/exported_case.h"
 
+#include <fmt/format.h>
+
 #include <fstream>
 #include <sstream>
-
-#include <fmt/format.h>
 
 namespace quayside::harness {
 
@@ -29,7 +29,8 @@ std::string exported_case_text(const std::filesystem::path& resources) {
   std::ifstream stream(file, std::ios::binary);
   std::ostringstream text;
   text << stream.rdbuf();
-  if (!stream) throw cases::CaseError(fmt::format("{}: cannot be read; it belongs to the FMU's resources", file.string()));
+  if (!stream)
+    throw cases::CaseError(fmt::format("{}: cannot be read; it belongs to the FMU's resources", file.string()));
   return text.str();
 }
 

@@ -1,4 +1,5 @@
-// The 34 functions of FMI 2.0 for Co-Simulation. What the model description does not offer returns an error with a message.
+// The 34 functions of FMI 2.0 for Co-Simulation. What the model description does not offer returns an error with a
+// message.
 #include <cstdlib>
 #include <cstring>
 #include <memory>
@@ -29,7 +30,8 @@ fmi2Status guarded(fmi2Component instance, Action action) {
 
 fmi2Status unsupported(fmi2Component instance, const char* function) {
   if (!instance) return fmi2Error;
-  return static_cast<fmi2Status>(of(instance).fail(std::string(function) + " is not supported, as the model description tells"));
+  return static_cast<fmi2Status>(
+      of(instance).fail(std::string(function) + " is not supported, as the model description tells"));
 }
 
 fmi2Status nothing_of_type(fmi2Component instance, std::size_t count, const char* function) {
@@ -66,7 +68,8 @@ fmi2Status fmi2SetDebugLogging(fmi2Component instance, fmi2Boolean on, std::size
   return guarded(instance, [&](Instance2& fmu) { fmu.set_logging(on != 0); });
 }
 
-// --- Life cycle -------------------------------------------------------------------------------------------------------
+// --- Life cycle
+// -------------------------------------------------------------------------------------------------------
 
 fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String token, fmi2String resources,
                               const fmi2CallbackFunctions* functions, fmi2Boolean, fmi2Boolean logging) {
@@ -74,7 +77,8 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String token, 
   const auto logger = functions ? functions->logger : nullptr;
   const fmi2ComponentEnvironment environment = functions ? functions->componentEnvironment : nullptr;
   const auto say = [=](FmiStatus status, const char* category, const std::string& message) {
-    if (logger) logger(environment, instance_name.c_str(), static_cast<fmi2Status>(status), category, "%s", message.c_str());
+    if (logger)
+      logger(environment, instance_name.c_str(), static_cast<fmi2Status>(status), category, "%s", message.c_str());
   };
   try {
     if (type != fmi2CoSimulation) throw std::invalid_argument("this FMU is for Co-Simulation, not for Model Exchange");
@@ -116,7 +120,8 @@ fmi2Status fmi2Reset(fmi2Component instance) {
   return guarded(instance, [](Instance2& fmu) { fmu.unit().reset(); });
 }
 
-// --- Values -----------------------------------------------------------------------------------------------------------
+// --- Values
+// -----------------------------------------------------------------------------------------------------------
 
 fmi2Status fmi2GetReal(QUAYSIDE_FMI2_VR, fmi2Real values[]) {
   return guarded(instance, [&](Instance2& fmu) {
@@ -147,7 +152,8 @@ fmi2Status fmi2SetInteger(QUAYSIDE_FMI2_VR, const fmi2Integer[]) { return nothin
 fmi2Status fmi2GetString(QUAYSIDE_FMI2_VR, fmi2String[]) { return nothing_of_type(instance, count, __func__); }
 fmi2Status fmi2SetString(QUAYSIDE_FMI2_VR, const fmi2String[]) { return nothing_of_type(instance, count, __func__); }
 
-// --- State ------------------------------------------------------------------------------------------------------------
+// --- State
+// ------------------------------------------------------------------------------------------------------------
 
 fmi2Status fmi2GetFMUstate(fmi2Component instance, fmi2FMUstate* state) {
   return guarded(instance, [&](Instance2& fmu) {
@@ -177,12 +183,14 @@ fmi2Status fmi2SerializedFMUstateSize(fmi2Component instance, fmi2FMUstate state
 
 fmi2Status fmi2SerializeFMUstate(fmi2Component instance, fmi2FMUstate state, fmi2Byte bytes[], std::size_t size) {
   return guarded(instance, [&](Instance2&) {
-    if (size < state_of(state).size()) throw std::invalid_argument("the state needs more bytes; ask for its size first");
+    if (size < state_of(state).size())
+      throw std::invalid_argument("the state needs more bytes; ask for its size first");
     std::memcpy(bytes, state_of(state).data(), state_of(state).size());
   });
 }
 
-fmi2Status fmi2DeSerializeFMUstate(fmi2Component instance, const fmi2Byte bytes[], std::size_t size, fmi2FMUstate* state) {
+fmi2Status fmi2DeSerializeFMUstate(fmi2Component instance, const fmi2Byte bytes[], std::size_t size,
+                                   fmi2FMUstate* state) {
   return guarded(instance, [&](Instance2&) {
     const auto* first = reinterpret_cast<const std::byte*>(bytes);
     if (*state) {
@@ -193,7 +201,8 @@ fmi2Status fmi2DeSerializeFMUstate(fmi2Component instance, const fmi2Byte bytes[
   });
 }
 
-// --- Status: steps are never pending ----------------------------------------------------------------------------------
+// --- Status: steps are never pending
+// ----------------------------------------------------------------------------------
 
 fmi2Status fmi2GetRealStatus(fmi2Component instance, const fmi2StatusKind kind, fmi2Real* value) {
   if (kind != fmi2LastSuccessfulTime) return fmi2Discard;
@@ -209,7 +218,8 @@ fmi2Status fmi2GetStatus(fmi2Component, const fmi2StatusKind, fmi2Status*) { ret
 fmi2Status fmi2GetIntegerStatus(fmi2Component, const fmi2StatusKind, fmi2Integer*) { return fmi2Discard; }
 fmi2Status fmi2GetStringStatus(fmi2Component, const fmi2StatusKind, fmi2String*) { return fmi2Discard; }
 
-// --- What this FMU does not offer -------------------------------------------------------------------------------------
+// --- What this FMU does not offer
+// -------------------------------------------------------------------------------------
 
 fmi2Status fmi2CancelStep(fmi2Component instance) { return unsupported(instance, __func__); }
 fmi2Status fmi2GetDirectionalDerivative(fmi2Component instance, const fmi2ValueReference[], std::size_t,

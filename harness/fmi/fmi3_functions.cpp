@@ -21,7 +21,8 @@ fmi3Status guarded(fmi3Instance instance, Action action) {
 
 fmi3Status unsupported(fmi3Instance instance, const char* function) {
   if (!instance) return fmi3Error;
-  return static_cast<fmi3Status>(of(instance).fail(std::string(function) + " is not supported, as the model description tells"));
+  return static_cast<fmi3Status>(
+      of(instance).fail(std::string(function) + " is not supported, as the model description tells"));
 }
 
 // For types that no variable has: nothing is right, something is not.
@@ -30,7 +31,8 @@ fmi3Status nothing_of_type(fmi3Instance instance, std::size_t count, const char*
 }
 
 void check_counts(std::size_t references, std::size_t values) {
-  if (references != values) throw std::invalid_argument("all variables are scalar: as many values as references, please");
+  if (references != values)
+    throw std::invalid_argument("all variables are scalar: as many values as references, please");
 }
 
 }  // namespace
@@ -41,7 +43,8 @@ fmi3Status fmi3SetDebugLogging(fmi3Instance instance, fmi3Boolean on, std::size_
   return guarded(instance, [&](FmuInstance& fmu) { fmu.set_logging(on); });
 }
 
-// --- Instances --------------------------------------------------------------------------------------------------------
+// --- Instances
+// --------------------------------------------------------------------------------------------------------
 
 fmi3Instance fmi3InstantiateModelExchange(fmi3String, fmi3String, fmi3String, fmi3Boolean, fmi3Boolean,
                                           fmi3InstanceEnvironment environment, fmi3LogMessageCallback log) {
@@ -78,8 +81,8 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String token, fmi3
     if (log) log(environment, static_cast<fmi3Status>(status), category, message.c_str());
   };
   try {
-    auto instance = std::make_unique<Instance3>(name ? name : "", token ? token : "", resources ? resources : "", say, logging,
-                                                event_mode_used);
+    auto instance = std::make_unique<Instance3>(name ? name : "", token ? token : "", resources ? resources : "", say,
+                                                logging, event_mode_used);
     instance->unit().set_stop_at_events(event_mode_used && early_return_allowed);
     return static_cast<FmuInstance*>(instance.release());
   } catch (const std::exception& error) {
@@ -92,7 +95,8 @@ void fmi3FreeInstance(fmi3Instance instance) {
   if (instance) delete static_cast<Instance3*>(&of(instance));
 }
 
-// --- Life cycle -------------------------------------------------------------------------------------------------------
+// --- Life cycle
+// -------------------------------------------------------------------------------------------------------
 
 fmi3Status fmi3EnterInitializationMode(fmi3Instance instance, fmi3Boolean, fmi3Float64, fmi3Float64 start, fmi3Boolean,
                                        fmi3Float64) {
@@ -144,7 +148,8 @@ fmi3Status fmi3Reset(fmi3Instance instance) {
   return guarded(instance, [](FmuInstance& fmu) { fmu.unit().reset(); });
 }
 
-// --- Values -----------------------------------------------------------------------------------------------------------
+// --- Values
+// -----------------------------------------------------------------------------------------------------------
 
 fmi3Status fmi3GetFloat64(QUAYSIDE_FMI3_VR, fmi3Float64 values[], std::size_t value_count) {
   return guarded(instance, [&](FmuInstance& fmu) {
@@ -174,12 +179,12 @@ fmi3Status fmi3SetBoolean(QUAYSIDE_FMI3_VR, const fmi3Boolean values[], std::siz
   });
 }
 
-#define QUAYSIDE_NO_SUCH_TYPE(type)                                                                                  \
-  fmi3Status fmi3Get##type(QUAYSIDE_FMI3_VR, fmi3##type[], std::size_t) {                                            \
-    return nothing_of_type(instance, count, __func__);                                                               \
-  }                                                                                                                  \
-  fmi3Status fmi3Set##type(QUAYSIDE_FMI3_VR, const fmi3##type[], std::size_t) {                                      \
-    return nothing_of_type(instance, count, __func__);                                                               \
+#define QUAYSIDE_NO_SUCH_TYPE(type)                                             \
+  fmi3Status fmi3Get##type(QUAYSIDE_FMI3_VR, fmi3##type[], std::size_t) {       \
+    return nothing_of_type(instance, count, __func__);                          \
+  }                                                                             \
+  fmi3Status fmi3Set##type(QUAYSIDE_FMI3_VR, const fmi3##type[], std::size_t) { \
+    return nothing_of_type(instance, count, __func__);                          \
   }
 QUAYSIDE_NO_SUCH_TYPE(Float32)
 QUAYSIDE_NO_SUCH_TYPE(Int8)
@@ -201,7 +206,8 @@ fmi3Status fmi3SetBinary(QUAYSIDE_FMI3_VR, const std::size_t[], const fmi3Binary
 fmi3Status fmi3GetClock(QUAYSIDE_FMI3_VR, fmi3Clock[]) { return nothing_of_type(instance, count, __func__); }
 fmi3Status fmi3SetClock(QUAYSIDE_FMI3_VR, const fmi3Clock[]) { return nothing_of_type(instance, count, __func__); }
 
-// --- State ------------------------------------------------------------------------------------------------------------
+// --- State
+// ------------------------------------------------------------------------------------------------------------
 
 fmi3Status fmi3GetFMUState(fmi3Instance instance, fmi3FMUState* state) {
   return guarded(instance, [&](FmuInstance& fmu) {
@@ -231,12 +237,14 @@ fmi3Status fmi3SerializedFMUStateSize(fmi3Instance instance, fmi3FMUState state,
 
 fmi3Status fmi3SerializeFMUState(fmi3Instance instance, fmi3FMUState state, fmi3Byte bytes[], std::size_t size) {
   return guarded(instance, [&](FmuInstance&) {
-    if (size < state_of(state).size()) throw std::invalid_argument("the state needs more bytes; ask for its size first");
+    if (size < state_of(state).size())
+      throw std::invalid_argument("the state needs more bytes; ask for its size first");
     std::memcpy(bytes, state_of(state).data(), state_of(state).size());
   });
 }
 
-fmi3Status fmi3DeserializeFMUState(fmi3Instance instance, const fmi3Byte bytes[], std::size_t size, fmi3FMUState* state) {
+fmi3Status fmi3DeserializeFMUState(fmi3Instance instance, const fmi3Byte bytes[], std::size_t size,
+                                   fmi3FMUState* state) {
   return guarded(instance, [&](FmuInstance&) {
     const auto* first = reinterpret_cast<const std::byte*>(bytes);
     if (*state) {
@@ -247,7 +255,8 @@ fmi3Status fmi3DeserializeFMUState(fmi3Instance instance, const fmi3Byte bytes[]
   });
 }
 
-// --- What this FMU does not offer -------------------------------------------------------------------------------------
+// --- What this FMU does not offer
+// -------------------------------------------------------------------------------------
 
 #define QUAYSIDE_UNSUPPORTED(name, ...) \
   fmi3Status name(fmi3Instance instance, ##__VA_ARGS__) { return unsupported(instance, __func__); }
@@ -255,8 +264,8 @@ fmi3Status fmi3DeserializeFMUState(fmi3Instance instance, const fmi3Byte bytes[]
   fmi3Status name(QUAYSIDE_FMI3_VR, ##__VA_ARGS__) { return unsupported(instance, __func__); }
 
 QUAYSIDE_UNSUPPORTED(fmi3GetNumberOfVariableDependencies, fmi3ValueReference, std::size_t*)
-QUAYSIDE_UNSUPPORTED(fmi3GetVariableDependencies, fmi3ValueReference, std::size_t[], fmi3ValueReference[], std::size_t[],
-                     fmi3DependencyKind[], std::size_t)
+QUAYSIDE_UNSUPPORTED(fmi3GetVariableDependencies, fmi3ValueReference, std::size_t[], fmi3ValueReference[],
+                     std::size_t[], fmi3DependencyKind[], std::size_t)
 QUAYSIDE_UNSUPPORTED(fmi3GetDirectionalDerivative, const fmi3ValueReference[], std::size_t, const fmi3ValueReference[],
                      std::size_t, const fmi3Float64[], std::size_t, fmi3Float64[], std::size_t)
 QUAYSIDE_UNSUPPORTED(fmi3GetAdjointDerivative, const fmi3ValueReference[], std::size_t, const fmi3ValueReference[],

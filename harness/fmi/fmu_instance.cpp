@@ -1,10 +1,10 @@
 #include "harness/fmi/fmu_instance.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <cstring>
 #include <stdexcept>
-
-#include <fmt/format.h>
 
 #include "harness/fmi/exported_case.h"
 #include "harness/state_bytes.h"
@@ -44,13 +44,15 @@ const char* missing_instructions() {
 
 const std::string& checked_token(const std::string& token, const std::string& resources) {
   if (const char* missing = missing_instructions()) {
-    throw std::runtime_error(fmt::format("this FMU was built for processors with {}, which this one does not have; "
-                                         "build Quayside with QUAYSIDE_NATIVE=OFF and export it again", missing));
+    throw std::runtime_error(
+        fmt::format("this FMU was built for processors with {}, which this one does not have; "
+                    "build Quayside with QUAYSIDE_NATIVE=OFF and export it again",
+                    missing));
   }
   const std::string own = instantiation_token(exported_case_text(resources));
   if (token != own) {
-    throw std::invalid_argument(
-        fmt::format("the instantiation token is {}, expected {}: modelDescription.xml belongs to another FMU", token, own));
+    throw std::invalid_argument(fmt::format(
+        "the instantiation token is {}, expected {}: modelDescription.xml belongs to another FMU", token, own));
   }
   return token;
 }
@@ -76,7 +78,8 @@ ValueReference FmuInstance::place(ValueReference reference, Type type) const {
     throw std::invalid_argument(fmt::format("no variable has the value reference {}", reference));
   }
   if (variables[i].type != type) {
-    throw std::invalid_argument(fmt::format("{} is {}", variables[i].name, type == Type::boolean ? "a number" : "a boolean"));
+    throw std::invalid_argument(
+        fmt::format("{} is {}", variables[i].name, type == Type::boolean ? "a number" : "a boolean"));
   }
   return i;
 }
@@ -108,7 +111,8 @@ void FmuInstance::step(double now, double step, Step& result) {
 void FmuInstance::log_events() {
   for (const Event& event : unit_.take_events()) {
     if (logging_) {
-      log_(FmiStatus::ok, "events", fmt::format("{:.9f} s: {} {}", seconds(event.time), to_string(event.kind), event.subject));
+      log_(FmiStatus::ok, "events",
+           fmt::format("{:.9f} s: {} {}", seconds(event.time), to_string(event.kind), event.subject));
     }
   }
 }

@@ -17,8 +17,8 @@ class FmuInstance {
  public:
   using Log = std::function<void(FmiStatus status, const char* category, const std::string& message)>;
 
-  // `resources`: the folder. Throws for a wrong token, for resources that cannot be read, and on a processor without the
-  // instructions that this library was compiled to use.
+  // `resources`: the folder. Throws for a wrong token, for resources that cannot be read, and on a processor without
+  // the instructions that this library was compiled to use.
   FmuInstance(const std::string& name, const std::string& token, const std::string& resources, Log log, bool logging);
 
   CaseUnit& unit() { return unit_; }

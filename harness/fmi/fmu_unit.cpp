@@ -1,10 +1,10 @@
 #include "harness/fmi/fmu_unit.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
-
-#include <fmt/format.h>
 
 #include "harness/names.h"
 #include "harness/state_bytes.h"
@@ -27,7 +27,8 @@ FmuUnit::FmuUnit(const std::string& name, const std::filesystem::path& fmu,
         if (variables_[i].name == wanted) parameters_.emplace_back(i, value);
       }
       if (std::find(known.begin(), known.end(), wanted) == known.end()) {
-        throw std::invalid_argument(fmt::format("it has no parameter \"{}\"; {}", wanted, nearest_names(wanted, known)));
+        throw std::invalid_argument(
+            fmt::format("it has no parameter \"{}\"; {}", wanted, nearest_names(wanted, known)));
       }
     }
     fmu_ = load_foreign_fmu(folder_.path(), description_, name_);
@@ -73,14 +74,16 @@ void FmuUnit::exit_initialization_mode() {
 }
 
 StepResult FmuUnit::do_step(Time now, Time step) {
-  if (now != time_ || step <= 0) throw std::invalid_argument(fmt::format("{}: a step of {} ns from {} ns", name_, step, now));
+  if (now != time_ || step <= 0)
+    throw std::invalid_argument(fmt::format("{}: a step of {} ns from {} ns", name_, step, now));
   ForeignFmu::Step result;
   try {
     result = fmu_->step(seconds(now), seconds(now + step) - seconds(now));
     for (ValueReference i = 0; i < variables_.size(); ++i) {
       if (variables_[i].causality != Causality::output) continue;
       const double value = fmu_->get(description_.variables[i]);
-      if (!std::isfinite(value)) throw std::runtime_error(fmt::format("its output {} is {}", variables_[i].name, value));
+      if (!std::isfinite(value))
+        throw std::runtime_error(fmt::format("its output {} is {}", variables_[i].name, value));
     }
   } catch (const std::runtime_error& error) {
     broken_ = true;

@@ -12,15 +12,15 @@
 
 namespace quayside::harness {
 
-// Variables are the FMU's scalar parameters, inputs and outputs that are real or boolean (parameters: integer as well), by
-// its names, in SI units whatever the FMU's own are. Numbers whose unit the FMU does not tell have the unit "".
+// Variables are the FMU's scalar parameters, inputs and outputs that are real or boolean (parameters: integer as well),
+// by its names, in SI units whatever the FMU's own are. Numbers whose unit the FMU does not tell have the unit "".
 //
-// The FMU deals with its events itself, at most at the next communication point. Errors of the FMU come as StepFailed with
-// this unit's name, the time, and the FMU's own words; so do outputs that are not finite.
+// The FMU deals with its events itself, at most at the next communication point. Errors of the FMU come as StepFailed
+// with this unit's name, the time, and the FMU's own words; so do outputs that are not finite.
 class FmuUnit final : public Unit {
  public:
-  // Parameters keep the FMU's start value unless given. Throws std::invalid_argument "unit NAME: FILE: ..." for what is no
-  // FMU that can be run here.
+  // Parameters keep the FMU's start value unless given. Throws std::invalid_argument "unit NAME: FILE: ..." for what is
+  // no FMU that can be run here.
   FmuUnit(const std::string& name, const std::filesystem::path& fmu,
           const std::vector<std::pair<std::string, double>>& parameters = {});
 

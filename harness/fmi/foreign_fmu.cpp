@@ -1,6 +1,7 @@
 #include "harness/fmi/foreign_fmu.h"
 
 #include <dlfcn.h>
+#include <fmt/format.h>
 
 #include <array>
 #include <cctype>
@@ -12,8 +13,6 @@
 #include <stdexcept>
 #include <utility>
 
-#include <fmt/format.h>
-
 #include "harness/fmi/fmi2.h"
 #include "harness/fmi/fmi3.h"
 
@@ -23,9 +22,10 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// A shared library with symbols of its own. RTLD_LOCAL hides its symbols from others; RTLD_DEEPBIND makes it and its own
-// libraries prefer theirs to those of this program, whose libraries define functions that an FMU may well bring along
-// in another version (SUNDIALS' for one). It stays loaded: destructors of an FMU that is gone are called by nobody.
+// A shared library with symbols of its own. RTLD_LOCAL hides its symbols from others; RTLD_DEEPBIND makes it and its
+// own libraries prefer theirs to those of this program, whose libraries define functions that an FMU may well bring
+// along in another version (SUNDIALS' for one). It stays loaded: destructors of an FMU that is gone are called by
+// nobody.
 class Library {
  public:
   explicit Library(const fs::path& file) {
@@ -69,27 +69,32 @@ void check_status(int status, const char* function, Message& message) {
 #define QUAYSIDE_FIND(name) library.find(#name, name);
 #define QUAYSIDE_CHECK(function, ...) check_status(function(instance_, ##__VA_ARGS__), #function, message_)
 
-// --- FMI 3.0 ----------------------------------------------------------------------------------------------------------
+// --- FMI 3.0
+// ----------------------------------------------------------------------------------------------------------
 
-#define QUAYSIDE_NEEDED3(X)                                                                                           \
-  X(fmi3InstantiateCoSimulation) X(fmi3FreeInstance) X(fmi3EnterInitializationMode) X(fmi3ExitInitializationMode)       \
-  X(fmi3DoStep) X(fmi3Terminate) X(fmi3Reset) X(fmi3GetFloat64) X(fmi3SetFloat64) X(fmi3GetBoolean) X(fmi3SetBoolean)    \
-  X(fmi3GetInt32) X(fmi3SetInt32) X(fmi3GetFMUState) X(fmi3SetFMUState) X(fmi3FreeFMUState)                             \
-  X(fmi3SerializedFMUStateSize) X(fmi3SerializeFMUState) X(fmi3DeserializeFMUState)
+#define QUAYSIDE_NEEDED3(X)                                                                                       \
+  X(fmi3InstantiateCoSimulation)                                                                                  \
+  X(fmi3FreeInstance) X(fmi3EnterInitializationMode) X(fmi3ExitInitializationMode) X(fmi3DoStep) X(fmi3Terminate) \
+      X(fmi3Reset) X(fmi3GetFloat64) X(fmi3SetFloat64) X(fmi3GetBoolean) X(fmi3SetBoolean) X(fmi3GetInt32)        \
+          X(fmi3SetInt32) X(fmi3GetFMUState) X(fmi3SetFMUState) X(fmi3FreeFMUState) X(fmi3SerializedFMUStateSize) \
+              X(fmi3SerializeFMUState) X(fmi3DeserializeFMUState)
 
 class ForeignFmu3 final : public ForeignFmu {
  public:
-  ForeignFmu3(const Library& library, const fs::path& folder, const FmuDescription& description, const std::string& name) {
+  ForeignFmu3(const Library& library, const fs::path& folder, const FmuDescription& description,
+              const std::string& name) {
     QUAYSIDE_NEEDED3(QUAYSIDE_FIND)
     const std::string resources = (folder / "resources").string() + "/";
     // Without event mode the FMU deals with its events itself, and without early return it goes all the way.
-    instance_ = fmi3InstantiateCoSimulation(name.c_str(), description.token.c_str(), resources.c_str(), false, false, false,
-                                            false, nullptr, 0, &message_, log, nullptr);
+    instance_ = fmi3InstantiateCoSimulation(name.c_str(), description.token.c_str(), resources.c_str(), false, false,
+                                            false, false, nullptr, 0, &message_, log, nullptr);
     if (!instance_) throw std::invalid_argument("it refuses to be instantiated: " + message_.take());
   }
   ~ForeignFmu3() override { fmi3FreeInstance(instance_); }
 
-  void enter_initialization_mode(double start) override { QUAYSIDE_CHECK(fmi3EnterInitializationMode, false, 0, start, false, 0); }
+  void enter_initialization_mode(double start) override {
+    QUAYSIDE_CHECK(fmi3EnterInitializationMode, false, 0, start, false, 0);
+  }
   void exit_initialization_mode() override { QUAYSIDE_CHECK(fmi3ExitInitializationMode); }
   Step step(double now, double step) override {
     bool event = false, terminate = false, early = false;
@@ -103,9 +108,15 @@ class ForeignFmu3 final : public ForeignFmu {
     bool boolean = false;
     std::int32_t integer = 0;
     switch (variable.kind) {
-      case FmuVariable::Kind::real: QUAYSIDE_CHECK(fmi3GetFloat64, &at, 1, &number, 1); return number;
-      case FmuVariable::Kind::boolean: QUAYSIDE_CHECK(fmi3GetBoolean, &at, 1, &boolean, 1); return boolean;
-      case FmuVariable::Kind::integer: QUAYSIDE_CHECK(fmi3GetInt32, &at, 1, &integer, 1); return integer;
+      case FmuVariable::Kind::real:
+        QUAYSIDE_CHECK(fmi3GetFloat64, &at, 1, &number, 1);
+        return number;
+      case FmuVariable::Kind::boolean:
+        QUAYSIDE_CHECK(fmi3GetBoolean, &at, 1, &boolean, 1);
+        return boolean;
+      case FmuVariable::Kind::integer:
+        QUAYSIDE_CHECK(fmi3GetInt32, &at, 1, &integer, 1);
+        return integer;
     }
     return 0;
   }
@@ -114,9 +125,15 @@ class ForeignFmu3 final : public ForeignFmu {
     const bool boolean = value != 0;
     const auto integer = static_cast<std::int32_t>(std::lround(value));
     switch (variable.kind) {
-      case FmuVariable::Kind::real: QUAYSIDE_CHECK(fmi3SetFloat64, &at, 1, &value, 1); break;
-      case FmuVariable::Kind::boolean: QUAYSIDE_CHECK(fmi3SetBoolean, &at, 1, &boolean, 1); break;
-      case FmuVariable::Kind::integer: QUAYSIDE_CHECK(fmi3SetInt32, &at, 1, &integer, 1); break;
+      case FmuVariable::Kind::real:
+        QUAYSIDE_CHECK(fmi3SetFloat64, &at, 1, &value, 1);
+        break;
+      case FmuVariable::Kind::boolean:
+        QUAYSIDE_CHECK(fmi3SetBoolean, &at, 1, &boolean, 1);
+        break;
+      case FmuVariable::Kind::integer:
+        QUAYSIDE_CHECK(fmi3SetInt32, &at, 1, &integer, 1);
+        break;
     }
   }
   UnitState save() override {
@@ -148,14 +165,16 @@ class ForeignFmu3 final : public ForeignFmu {
   fmi3Instance instance_ = nullptr;
 };
 
-// --- FMI 2.0 ----------------------------------------------------------------------------------------------------------
+// --- FMI 2.0
+// ----------------------------------------------------------------------------------------------------------
 
-#define QUAYSIDE_NEEDED2(X)                                                                                           \
-  X(fmi2Instantiate) X(fmi2FreeInstance) X(fmi2SetupExperiment) X(fmi2EnterInitializationMode)                          \
-  X(fmi2ExitInitializationMode) X(fmi2DoStep) X(fmi2Terminate) X(fmi2Reset) X(fmi2GetReal) X(fmi2SetReal)               \
-  X(fmi2GetBoolean) X(fmi2SetBoolean) X(fmi2GetInteger) X(fmi2SetInteger) X(fmi2GetFMUstate) X(fmi2SetFMUstate)         \
-  X(fmi2FreeFMUstate) X(fmi2SerializedFMUstateSize) X(fmi2SerializeFMUstate) X(fmi2DeSerializeFMUstate)                 \
-  X(fmi2GetRealStatus) X(fmi2GetBooleanStatus)
+#define QUAYSIDE_NEEDED2(X)                                                                                          \
+  X(fmi2Instantiate)                                                                                                 \
+  X(fmi2FreeInstance) X(fmi2SetupExperiment) X(fmi2EnterInitializationMode) X(fmi2ExitInitializationMode)            \
+      X(fmi2DoStep) X(fmi2Terminate) X(fmi2Reset) X(fmi2GetReal) X(fmi2SetReal) X(fmi2GetBoolean) X(fmi2SetBoolean)  \
+          X(fmi2GetInteger) X(fmi2SetInteger) X(fmi2GetFMUstate) X(fmi2SetFMUstate) X(fmi2FreeFMUstate)              \
+              X(fmi2SerializedFMUstateSize) X(fmi2SerializeFMUstate) X(fmi2DeSerializeFMUstate) X(fmi2GetRealStatus) \
+                  X(fmi2GetBooleanStatus)
 
 std::string uri_of(const fs::path& folder) {
   std::string uri = "file://";
@@ -168,7 +187,8 @@ std::string uri_of(const fs::path& folder) {
 
 class ForeignFmu2 final : public ForeignFmu {
  public:
-  ForeignFmu2(const Library& library, const fs::path& folder, const FmuDescription& description, const std::string& name)
+  ForeignFmu2(const Library& library, const fs::path& folder, const FmuDescription& description,
+              const std::string& name)
       : name_(name) {
     QUAYSIDE_NEEDED2(QUAYSIDE_FIND)
     callbacks_ = {log, std::calloc, std::free, nullptr, &message_};
@@ -199,9 +219,15 @@ class ForeignFmu2 final : public ForeignFmu {
     double number = 0;
     int integer = 0;
     switch (variable.kind) {
-      case FmuVariable::Kind::real: QUAYSIDE_CHECK(fmi2GetReal, &at, 1, &number); return number;
-      case FmuVariable::Kind::boolean: QUAYSIDE_CHECK(fmi2GetBoolean, &at, 1, &integer); return integer != 0;
-      case FmuVariable::Kind::integer: QUAYSIDE_CHECK(fmi2GetInteger, &at, 1, &integer); return integer;
+      case FmuVariable::Kind::real:
+        QUAYSIDE_CHECK(fmi2GetReal, &at, 1, &number);
+        return number;
+      case FmuVariable::Kind::boolean:
+        QUAYSIDE_CHECK(fmi2GetBoolean, &at, 1, &integer);
+        return integer != 0;
+      case FmuVariable::Kind::integer:
+        QUAYSIDE_CHECK(fmi2GetInteger, &at, 1, &integer);
+        return integer;
     }
     return 0;
   }
@@ -209,9 +235,15 @@ class ForeignFmu2 final : public ForeignFmu {
     const fmi2ValueReference at = variable.reference;
     const int boolean = value != 0, integer = static_cast<int>(std::lround(value));
     switch (variable.kind) {
-      case FmuVariable::Kind::real: QUAYSIDE_CHECK(fmi2SetReal, &at, 1, &value); break;
-      case FmuVariable::Kind::boolean: QUAYSIDE_CHECK(fmi2SetBoolean, &at, 1, &boolean); break;
-      case FmuVariable::Kind::integer: QUAYSIDE_CHECK(fmi2SetInteger, &at, 1, &integer); break;
+      case FmuVariable::Kind::real:
+        QUAYSIDE_CHECK(fmi2SetReal, &at, 1, &value);
+        break;
+      case FmuVariable::Kind::boolean:
+        QUAYSIDE_CHECK(fmi2SetBoolean, &at, 1, &boolean);
+        break;
+      case FmuVariable::Kind::integer:
+        QUAYSIDE_CHECK(fmi2SetInteger, &at, 1, &integer);
+        break;
     }
   }
   UnitState save() override {
@@ -253,7 +285,8 @@ class ForeignFmu2 final : public ForeignFmu {
 
 }  // namespace
 
-std::unique_ptr<ForeignFmu> load_foreign_fmu(const fs::path& folder, const FmuDescription& description, const std::string& instance) {
+std::unique_ptr<ForeignFmu> load_foreign_fmu(const fs::path& folder, const FmuDescription& description,
+                                             const std::string& instance) {
   const bool two = description.version == 2;
   const Library library(folder / "binaries" / (two ? "linux64" : "x86_64-linux") / (description.identifier + ".so"));
   if (two) return std::make_unique<ForeignFmu2>(library, folder, description, instance);

@@ -9,8 +9,8 @@
 
 namespace quayside::harness {
 
-// Every function but the destructor throws std::runtime_error with the function's name, the status and the FMU's own words
-// for what is worse than a warning.
+// Every function but the destructor throws std::runtime_error with the function's name, the status and the FMU's own
+// words for what is worse than a warning.
 class ForeignFmu {
  public:
   struct Step {

@@ -1,11 +1,11 @@
 #include "harness/fmi/read_description.h"
 
+#include <fmt/format.h>
+#include <tinyxml2.h>
+
 #include <map>
 #include <set>
 #include <stdexcept>
-
-#include <fmt/format.h>
-#include <tinyxml2.h>
 
 #include "harness/fmi/unit_of_measure.h"
 
@@ -39,7 +39,8 @@ class Reader {
     const XMLElement* simulation = root_->FirstChildElement("CoSimulation");
     if (!simulation) refuse("it has no CoSimulation; FMUs for Model Exchange cannot be units");
     result.identifier = text(simulation, "modelIdentifier");
-    if (result.identifier.empty() || result.identifier.find('/') != std::string::npos) refuse("CoSimulation has no modelIdentifier");
+    if (result.identifier.empty() || result.identifier.find('/') != std::string::npos)
+      refuse("CoSimulation has no modelIdentifier");
     result.can_save = simulation->BoolAttribute(result.version == 2 ? "canSerializeFMUstate" : "canSerializeFMUState");
     read_units();
     const XMLElement* list = root_->FirstChildElement("ModelVariables");
@@ -62,7 +63,8 @@ class Reader {
       const XMLElement* base = u->FirstChildElement("BaseUnit");
       if (!base) continue;
       UnitOfMeasure unit;
-      for (std::size_t i = 0; i < unit.exponents.size(); ++i) unit.exponents[i] = base->IntAttribute(UnitOfMeasure::kBase[i]);
+      for (std::size_t i = 0; i < unit.exponents.size(); ++i)
+        unit.exponents[i] = base->IntAttribute(UnitOfMeasure::kBase[i]);
       unit.factor = base->DoubleAttribute("factor", 1);
       unit.offset = base->DoubleAttribute("offset", 0);
       units_[text(u, "name")] = unit;
@@ -73,7 +75,8 @@ class Reader {
     const XMLElement* typed = result.version == 2 ? element->FirstChildElement() : element;
     FmuVariable v;
     v.variable.name = text(element, "name");
-    if (v.variable.name.empty() || !element->Attribute("valueReference")) refuse("a variable without name or valueReference");
+    if (v.variable.name.empty() || !element->Attribute("valueReference"))
+      refuse("a variable without name or valueReference");
     if (!names_.insert(v.variable.name).second) refuse(fmt::format("two variables are called '{}'", v.variable.name));
     v.reference = element->UnsignedAttribute("valueReference");
     v.variable.description = text(element, "description");

@@ -20,12 +20,12 @@ struct FmuVariable {
 struct FmuDescription {
   int version = 3;  // of FMI
   std::string token, identifier;
-  bool can_save = false;  // get, set and serialize states
+  bool can_save = false;               // get, set and serialize states
   std::vector<FmuVariable> variables;  // parameters, inputs, outputs of these kinds; integers only as parameters
 };
 
-// Throws std::invalid_argument, saying what is wrong, for a file that is missing, no XML, of another version of FMI, without
-// Co-Simulation, or with variables that contradict each other.
+// Throws std::invalid_argument, saying what is wrong, for a file that is missing, no XML, of another version of FMI,
+// without Co-Simulation, or with variables that contradict each other.
 FmuDescription read_description(const std::filesystem::path& file);
 
 }  // namespace quayside::harness

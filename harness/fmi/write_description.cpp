@@ -1,14 +1,14 @@
 #include "harness/fmi/write_description.h"
 
+#include <fmt/format.h>
+#include <tinyxml2.h>
+
 #include <algorithm>
 #include <cctype>
 #include <map>
 #include <set>
 #include <sstream>
 #include <stdexcept>
-
-#include <fmt/format.h>
-#include <tinyxml2.h>
 
 #include "harness/fmi/exported_case.h"
 #include "harness/fmi/unit_of_measure.h"
@@ -24,9 +24,18 @@ constexpr double kStandardTolerance = 1e-6;
 class Writer {
  public:
   Writer() { printer_.PushHeader(false, true); }
-  Writer& open(const char* element) { printer_.OpenElement(element); return *this; }
-  Writer& with(const char* attribute, const std::string& value) { printer_.PushAttribute(attribute, value.c_str()); return *this; }
-  Writer& with(const char* attribute, const char* value) { printer_.PushAttribute(attribute, value); return *this; }
+  Writer& open(const char* element) {
+    printer_.OpenElement(element);
+    return *this;
+  }
+  Writer& with(const char* attribute, const std::string& value) {
+    printer_.PushAttribute(attribute, value.c_str());
+    return *this;
+  }
+  Writer& with(const char* attribute, const char* value) {
+    printer_.PushAttribute(attribute, value);
+    return *this;
+  }
   Writer& with(const char* attribute, double value) { return with(attribute, fmt::format("{}", value)); }
   Writer& with(const char* attribute, bool value) { return with(attribute, value ? "true" : "false"); }
   void close() { printer_.CloseElement(); }
@@ -38,10 +47,14 @@ class Writer {
 
 const char* causality(const Variable& variable) {
   switch (variable.causality) {
-    case Causality::parameter: return "parameter";
-    case Causality::input: return "input";
-    case Causality::output: return "output";
-    case Causality::local: return "local";
+    case Causality::parameter:
+      return "parameter";
+    case Causality::input:
+      return "input";
+    case Causality::output:
+      return "output";
+    case Causality::local:
+      return "local";
   }
   return "";
 }
@@ -200,7 +213,8 @@ std::string structured_name(const std::string& name) {
   std::string result;
   for (std::string part; std::getline(parts, part, '.');) {
     const auto inner = [](unsigned char c) { return std::isalnum(c) || c == '_'; };
-    const bool plain = !part.empty() && std::all_of(part.begin(), part.end(), inner) && !std::isdigit(static_cast<unsigned char>(part[0]));
+    const bool plain = !part.empty() && std::all_of(part.begin(), part.end(), inner) &&
+                       !std::isdigit(static_cast<unsigned char>(part[0]));
     result += (result.empty() ? "" : ".") + (plain ? part : "'" + part + "'");
   }
   return result;
@@ -245,9 +259,9 @@ std::string terminals(const std::vector<Variable>& variables) {
 std::string documentation(const DescriptionContents& contents) {
   std::string rows;
   for (const Variable& variable : contents.variables) {
-    rows += fmt::format("<tr><td><code>{}</code></td><td>{}</td><td>{}</td><td>{}</td></tr>\n", html(structured_name(variable.name)),
-                        causality(variable), variable.type == Type::boolean ? "boolean" : html(variable.unit),
-                        html(variable.description));
+    rows += fmt::format("<tr><td><code>{}</code></td><td>{}</td><td>{}</td><td>{}</td></tr>\n",
+                        html(structured_name(variable.name)), causality(variable),
+                        variable.type == Type::boolean ? "boolean" : html(variable.unit), html(variable.description));
   }
   return fmt::format(R"(<!DOCTYPE html>
 <html lang="en">

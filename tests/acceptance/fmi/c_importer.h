@@ -1,16 +1,15 @@
-// A small importer that knows of an FMU what the standard says and nothing else: its archive, its model description, its
-// C functions.
+// A small importer that knows of an FMU what the standard says and nothing else: its archive, its model description,
+// its C functions.
 #pragma once
 
 #include <dlfcn.h>
+#include <tinyxml2.h>
 
 #include <filesystem>
 #include <map>
 #include <stdexcept>
 #include <string>
 #include <vector>
-
-#include <tinyxml2.h>
 
 #include "harness/fmi/archive.h"
 #include "harness/fmi/fmi2.h"
@@ -27,7 +26,8 @@ class ImportedFmu {
     const auto* root = description.RootElement();
     version = root->Attribute("fmiVersion")[0] - '0';
     token = root->Attribute(version == 2 ? "guid" : "instantiationToken");
-    for (const auto* v = root->FirstChildElement("ModelVariables")->FirstChildElement(); v; v = v->NextSiblingElement()) {
+    for (const auto* v = root->FirstChildElement("ModelVariables")->FirstChildElement(); v;
+         v = v->NextSiblingElement()) {
       references[v->Attribute("name")] = v->UnsignedAttribute("valueReference");
       if (std::string(v->Attribute("causality")) != "output") continue;
       const char* type = version == 2 ? v->FirstChildElement()->Name() : v->Name();
@@ -66,8 +66,9 @@ class ImportedFmu {
 class Instance3 {
  public:
   explicit Instance3(const ImportedFmu& fmu, bool event_mode = false) : fmu_(fmu) {
-    instance_ = QUAYSIDE_CALL(fmu, fmi3InstantiateCoSimulation)("crane", fmu.token.c_str(), (fmu.resources().string() + "/").c_str(),
-                                                                false, false, event_mode, event_mode, nullptr, 0, this, log, nullptr);
+    instance_ = QUAYSIDE_CALL(fmu, fmi3InstantiateCoSimulation)("crane", fmu.token.c_str(),
+                                                                (fmu.resources().string() + "/").c_str(), false, false,
+                                                                event_mode, event_mode, nullptr, 0, this, log, nullptr);
     if (!instance_) throw std::runtime_error(message_);
     get_ = QUAYSIDE_CALL(fmu, fmi3GetFloat64);
     step_ = QUAYSIDE_CALL(fmu, fmi3DoStep);

@@ -22,7 +22,8 @@ int main(int argc, char** argv) {
     for (int i = begin; i < end; ++i) instance.step(i * interval, (i + 1) * interval);
     const std::vector<double> values = instance.all();
     std::ofstream(argv[6], std::ios::binary)
-        .write(reinterpret_cast<const char*>(values.data()), static_cast<std::streamsize>(values.size() * sizeof(double)));
+        .write(reinterpret_cast<const char*>(values.data()),
+               static_cast<std::streamsize>(values.size() * sizeof(double)));
     return 0;
   } catch (const std::exception& error) {
     std::cerr << error.what() << "\n";

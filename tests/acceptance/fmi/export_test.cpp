@@ -1,5 +1,6 @@
-// The exported FMU, through the C interface alone: it runs as the case itself does, its state can be saved and restored,
-// and its model description keeps the rules of the standard.
+// The exported FMU, through the C interface alone: it runs as the case itself does, its state can be saved and
+// restored, and its model description keeps the rules of the standard.
+#include <gtest/gtest.h>
 #include <unistd.h>
 
 #include <cmath>
@@ -7,8 +8,6 @@
 #include <fstream>
 #include <regex>
 #include <set>
-
-#include <gtest/gtest.h>
 
 #include "cases/case.h"
 #include "harness/fmi/export_fmu.h"
@@ -96,7 +95,8 @@ TEST(ExportedFmu, RepeatsTheNativeRunByFmi2) {
     return values;
   };
   const auto advance = [&](int from, int to) {
-    for (int i = from; i < to; ++i) ASSERT_EQ(QUAYSIDE_CALL(fmu, fmi2DoStep)(crane, i * kInterval, kInterval, 1), fmi2OK);
+    for (int i = from; i < to; ++i)
+      ASSERT_EQ(QUAYSIDE_CALL(fmu, fmi2DoStep)(crane, i * kInterval, kInterval, 1), fmi2OK);
   };
   advance(0, 430);
   const std::vector<double> values = get_all();
@@ -151,13 +151,15 @@ TEST(ExportedFmu, BranchesFromASavedStateAreTheSameToTheBit) {
 
   const TemporaryFolder folder;
   const fs::path state_file = folder.path() / "state", values_file = folder.path() / "values";
-  std::ofstream(state_file, std::ios::binary).write(reinterpret_cast<const char*>(state.data()), static_cast<std::streamsize>(state.size()));
+  std::ofstream(state_file, std::ios::binary)
+      .write(reinterpret_cast<const char*>(state.data()), static_cast<std::streamsize>(state.size()));
   const std::string command = std::string(QUAYSIDE_CONTINUE_STATE) + " " + exported(FmiVersion::fmi3).string() + " " +
-                              state_file.string() + " " + std::to_string(kSaved) + " " + std::to_string(kSteps) + " 0.01 " +
-                              values_file.string();
+                              state_file.string() + " " + std::to_string(kSaved) + " " + std::to_string(kSteps) +
+                              " 0.01 " + values_file.string();
   ASSERT_EQ(std::system(command.c_str()), 0);
   std::vector<double> values(continued.size());
-  std::ifstream(values_file, std::ios::binary).read(reinterpret_cast<char*>(values.data()), static_cast<std::streamsize>(values.size() * sizeof(double)));
+  std::ifstream(values_file, std::ios::binary)
+      .read(reinterpret_cast<char*>(values.data()), static_cast<std::streamsize>(values.size() * sizeof(double)));
   EXPECT_EQ(values, continued) << "in another process";
 }
 
@@ -186,7 +188,8 @@ TEST(ExportedFmu, StartsAgainAfterReset) {
   EXPECT_EQ(run(), first);
 }
 
-// With event mode and early return, steps of a second end at the events: the end of the ramp at 0.4 / 0.6 s is announced.
+// With event mode and early return, steps of a second end at the events: the end of the ramp at 0.4 / 0.6 s is
+// announced.
 TEST(ExportedFmu, ReturnsEarlyAtEvents) {
   Instance3 fmu(crane(), true);
   fmu.initialize();
@@ -194,7 +197,8 @@ TEST(ExportedFmu, ReturnsEarlyAtEvents) {
   const auto event_mode = [&] {
     bool needs = true, terminate, nominals, states, defined;
     while (needs) {
-      fmu.check(QUAYSIDE_CALL(crane(), fmi3UpdateDiscreteStates)(fmu.handle(), &needs, &terminate, &nominals, &states, &defined, &next));
+      fmu.check(QUAYSIDE_CALL(crane(), fmi3UpdateDiscreteStates)(fmu.handle(), &needs, &terminate, &nominals, &states,
+                                                                 &defined, &next));
     }
     if (!defined) next = -1;
     fmu.check(QUAYSIDE_CALL(crane(), fmi3EnterStepMode)(fmu.handle()));
@@ -221,8 +225,8 @@ TEST(ExportedFmu, ReturnsEarlyAtEvents) {
   }
 }
 
-// The trolley reaches the speed it is asked for exactly (0.5 m/s at some 0.6 m/s², within 2 s); the hoist, asked for a speed that
-// no hoist has, goes to its limit; and the script, which would lower the load, rests.
+// The trolley reaches the speed it is asked for exactly (0.5 m/s at some 0.6 m/s², within 2 s); the hoist, asked for a
+// speed that no hoist has, goes to its limit; and the script, which would lower the load, rests.
 TEST(ExportedFmu, ObeysItsInputsWhenTheScriptRests) {
   Instance3 fmu(crane());
   fmu.set("script", false);
@@ -246,13 +250,14 @@ TEST(ExportedFmu, SaysWhatIsWrong) {
     *static_cast<std::string*>(said) = message;
   };
   const std::string resources = fmu.resources().string();
-  EXPECT_FALSE(QUAYSIDE_CALL(fmu, fmi3InstantiateCoSimulation)("a", "{wrong}", resources.c_str(), false, false, false, false,
-                                                               nullptr, 0, &said, log, nullptr));
+  EXPECT_FALSE(QUAYSIDE_CALL(fmu, fmi3InstantiateCoSimulation)("a", "{wrong}", resources.c_str(), false, false, false,
+                                                               false, nullptr, 0, &said, log, nullptr));
   EXPECT_NE(said.find("token"), std::string::npos) << said;
-  EXPECT_FALSE(QUAYSIDE_CALL(fmu, fmi3InstantiateCoSimulation)("a", fmu.token.c_str(), "/nowhere", false, false, false, false,
-                                                               nullptr, 0, &said, log, nullptr));
+  EXPECT_FALSE(QUAYSIDE_CALL(fmu, fmi3InstantiateCoSimulation)("a", fmu.token.c_str(), "/nowhere", false, false, false,
+                                                               false, nullptr, 0, &said, log, nullptr));
   EXPECT_NE(said.find("/nowhere"), std::string::npos) << said;
-  EXPECT_FALSE(QUAYSIDE_CALL(fmu, fmi3InstantiateModelExchange)("a", fmu.token.c_str(), resources.c_str(), false, false, &said, log));
+  EXPECT_FALSE(QUAYSIDE_CALL(fmu, fmi3InstantiateModelExchange)("a", fmu.token.c_str(), resources.c_str(), false, false,
+                                                                &said, log));
 
   Instance3 instance(fmu);
   EXPECT_THROW(instance.step(0, 0.01), std::runtime_error) << "not initialized";
@@ -275,7 +280,8 @@ TEST(ExportedFmu, HasAllFunctionsOfBothStandards) {
   EXPECT_EQ(fmi3, 75);
   EXPECT_EQ(fmi2, 34);
 
-  // What else the library holds stays inside: the SUNDIALS that is found from here is the one that Simbody brings along.
+  // What else the library holds stays inside: the SUNDIALS that is found from here is the one that Simbody brings
+  // along.
   Dl_info found{};
   ASSERT_TRUE(crane().symbol("N_VClone") && dladdr(crane().symbol("N_VClone"), &found));
   EXPECT_NE(std::string(found.dli_fname).find("libSimTKmath"), std::string::npos) << found.dli_fname;
@@ -291,7 +297,8 @@ TEST_P(ImportedBack, RunsAsTheNativeRun) {
   const fs::path file = folder.path() / "case.yaml";
   std::ofstream(file) << "title: A crane beside a falling box\nduration: 4.6\nground: false\n"
                          "bodies: [{name: box, size: [1, 1, 1], mass: 10, position: [0, 0, 500]}]\n"
-                         "units: [{name: crane, fmu: " << exported(GetParam()).string() << "}]\n";
+                         "units: [{name: crane, fmu: "
+                      << exported(GetParam()).string() << "}]\n";
   RunOptions options;
   options.engines = {"simbody"};
   const EngineRun run = std::move(run_case(cases::load_case(file), options).engines.front());
@@ -343,7 +350,8 @@ TEST_P(ModelDescription, KeepsTheRules) {
   EXPECT_STREQ(root->FirstChildElement("CoSimulation")->Attribute("modelIdentifier"), "quayside_fmu");
 
   std::set<std::string> units;
-  for (const auto* u = root->FirstChildElement("UnitDefinitions")->FirstChildElement(); u; u = u->NextSiblingElement()) {
+  for (const auto* u = root->FirstChildElement("UnitDefinitions")->FirstChildElement(); u;
+       u = u->NextSiblingElement()) {
     EXPECT_TRUE(units.insert(u->Attribute("name")).second);
     EXPECT_EQ(u->FirstChildElement("BaseUnit")->DoubleAttribute("factor"), 1) << "SI";
   }
@@ -373,7 +381,8 @@ TEST_P(ModelDescription, KeepsTheRules) {
   }
   EXPECT_EQ(independent, 1);
   EXPECT_GT(outputs.size(), 50u);
-  for (const std::string name : {"load.position.z", "command.hoist", "command.trolley", "command.twistlocks", "script"}) {
+  for (const std::string name :
+       {"load.position.z", "command.hoist", "command.trolley", "command.twistlocks", "script"}) {
     EXPECT_TRUE(names.count(name)) << name;
   }
 
@@ -382,8 +391,9 @@ TEST_P(ModelDescription, KeepsTheRules) {
   const bool two = GetParam() == FmiVersion::fmi2;
   for (const char* kind : {"Output", "InitialUnknown"}) {
     std::set<std::string> found;
-    const auto* first = two ? structure->FirstChildElement((std::string(kind) + "s").c_str())->FirstChildElement("Unknown")
-                            : structure->FirstChildElement(kind);
+    const auto* first =
+        two ? structure->FirstChildElement((std::string(kind) + "s").c_str())->FirstChildElement("Unknown")
+            : structure->FirstChildElement(kind);
     for (; first; first = first->NextSiblingElement(two ? "Unknown" : kind)) {
       EXPECT_TRUE(found.insert(first->Attribute(two ? "index" : "valueReference")).second);
     }
@@ -394,7 +404,8 @@ TEST_P(ModelDescription, KeepsTheRules) {
 TEST(Terminals, NameVariablesThatExist) {
   const ImportedFmu& fmu = crane();
   tinyxml2::XMLDocument xml;
-  ASSERT_EQ(xml.LoadFile((fmu.resources().parent_path() / "terminalsAndIcons/terminalsAndIcons.xml").c_str()), tinyxml2::XML_SUCCESS);
+  ASSERT_EQ(xml.LoadFile((fmu.resources().parent_path() / "terminalsAndIcons/terminalsAndIcons.xml").c_str()),
+            tinyxml2::XML_SUCCESS);
   std::set<std::string> terminals;
   const auto* list = xml.RootElement()->FirstChildElement("Terminals");
   for (const auto* t = list->FirstChildElement(); t; t = t->NextSiblingElement()) {
@@ -413,8 +424,8 @@ TEST(Binaries, AreComplete) {
   int libraries = 0;
   for (const auto& file : fs::directory_iterator(folder)) libraries += file.path().filename() != "quayside_fmu.so";
   EXPECT_GT(libraries, 8);
-  const std::string outside = "ldd " + (folder / "quayside_fmu.so").string() + " | grep '=>' | grep -v '" + folder.string() +
-                              "' | grep -qvE 'lib(c|m|dl|pthread|rt|stdc\\+\\+|gcc_s)\\.so'";
+  const std::string outside = "ldd " + (folder / "quayside_fmu.so").string() + " | grep '=>' | grep -v '" +
+                              folder.string() + "' | grep -qvE 'lib(c|m|dl|pthread|rt|stdc\\+\\+|gcc_s)\\.so'";
   EXPECT_NE(std::system(outside.c_str()), 0) << "a library is taken from the system";
   EXPECT_TRUE(fs::exists(crane().resources().parent_path() / "documentation/index.html"));
   EXPECT_TRUE(fs::exists(crane().resources().parent_path() / "documentation/licenses/license.txt"));

@@ -1,10 +1,10 @@
 // A foreign FMU as a unit: what is loaded, what is refused and why, and what becomes of an FMU's errors.
+#include <gtest/gtest.h>
+#include <zip.h>
+
 #include <cmath>
 #include <fstream>
 #include <sstream>
-
-#include <gtest/gtest.h>
-#include <zip.h>
 
 #include "cases/case.h"
 #include "harness/fmi/fmu_unit.h"
@@ -119,7 +119,8 @@ TEST_F(Import, RefusesBadFmusWithTheReason) {
   expect_refused(fmu(replaced(good, "fmiModelDescription fmi", "somethingElse fmi")), "modelDescription.xml");
   expect_refused(fmu(replaced(good, "\"3.0\"", "\"1.0\"")), "fmiVersion is '1.0'");
   expect_refused(fmu(replaced(good, "<CoSimulation ", "<ModelExchange ")), "no CoSimulation");
-  expect_refused(fmu(replaced(good, "modelIdentifier=\"integrator\"", "modelIdentifier=\"../../integrator\"")), "modelIdentifier");
+  expect_refused(fmu(replaced(good, "modelIdentifier=\"integrator\"", "modelIdentifier=\"../../integrator\"")),
+                 "modelIdentifier");
   expect_refused(fmu(replaced(good, "name=\"gain\"", "name=\"y\"")), "two variables are called 'y'");
   EXPECT_NE(refusal(fmu(), {{"gian", 1}}).find("gain"), std::string::npos) << "the nearest name";
 }
@@ -156,7 +157,8 @@ TEST_F(Import, ErrorsCarryUnitAndTime) {
   EXPECT_NE(failure(4).find("not allowed"), std::string::npos);
 }
 
-// --- As part of a case ------------------------------------------------------------------------------------------------
+// --- As part of a case
+// ------------------------------------------------------------------------------------------------
 
 class InACase : public Import {
  protected:

@@ -1,5 +1,6 @@
-// A small FMU of FMI 3.0 for tests: y follows dy/dt = gain · u in degrees per second, and from 0.5 s on it can misbehave:
-// 1: an error with words, 2: an output that is not finite, 3: a wish to end, 4: an early return nobody allowed.
+// A small FMU of FMI 3.0 for tests: y follows dy/dt = gain · u in degrees per second, and from 0.5 s on it can
+// misbehave: 1: an error with words, 2: an output that is not finite, 3: a wish to end, 4: an early return nobody
+// allowed.
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -22,8 +23,8 @@ Integrator& of(fmi3Instance instance) { return *static_cast<Integrator*>(instanc
 
 }  // namespace
 
-fmi3Instance fmi3InstantiateCoSimulation(fmi3String, fmi3String token, fmi3String, fmi3Boolean, fmi3Boolean, fmi3Boolean,
-                                         fmi3Boolean, const fmi3ValueReference[], std::size_t,
+fmi3Instance fmi3InstantiateCoSimulation(fmi3String, fmi3String token, fmi3String, fmi3Boolean, fmi3Boolean,
+                                         fmi3Boolean, fmi3Boolean, const fmi3ValueReference[], std::size_t,
                                          fmi3InstanceEnvironment environment, fmi3LogMessageCallback log,
                                          fmi3IntermediateUpdateCallback) {
   if (std::strcmp(token, "{integrator}") != 0) {
@@ -36,7 +37,9 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String, fmi3String token, fmi3Strin
   return instance;
 }
 void fmi3FreeInstance(fmi3Instance instance) { delete &of(instance); }
-fmi3Status fmi3EnterInitializationMode(fmi3Instance, fmi3Boolean, fmi3Float64, fmi3Float64, fmi3Boolean, fmi3Float64) { return fmi3OK; }
+fmi3Status fmi3EnterInitializationMode(fmi3Instance, fmi3Boolean, fmi3Float64, fmi3Float64, fmi3Boolean, fmi3Float64) {
+  return fmi3OK;
+}
 fmi3Status fmi3ExitInitializationMode(fmi3Instance) { return fmi3OK; }
 fmi3Status fmi3Terminate(fmi3Instance) { return fmi3OK; }
 fmi3Status fmi3Reset(fmi3Instance instance) {
@@ -52,22 +55,34 @@ fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 now, fmi3Float64 step, 
   if (!self.holding) self.output += self.gain * self.input * step;
   if (now + step < 0.5) return fmi3OK;
   switch (self.misbehave) {
-    case 1: self.log(self.environment, fmi3Error, "error", "the valve is stuck"); return fmi3Error;
-    case 2: self.output = std::numeric_limits<double>::quiet_NaN(); break;
-    case 3: *terminate = true; break;
-    case 4: *early = true; *reached = now + step / 2; break;
+    case 1:
+      self.log(self.environment, fmi3Error, "error", "the valve is stuck");
+      return fmi3Error;
+    case 2:
+      self.output = std::numeric_limits<double>::quiet_NaN();
+      break;
+    case 3:
+      *terminate = true;
+      break;
+    case 4:
+      *early = true;
+      *reached = now + step / 2;
+      break;
   }
   return fmi3OK;
 }
 
 fmi3Status fmi3GetFloat64(QUAYSIDE_FMI3_VR, fmi3Float64 values[], std::size_t) {
   for (std::size_t i = 0; i < count; ++i) {
-    values[i] = references[i] == kInput ? of(instance).input : references[i] == kOutput ? of(instance).output : of(instance).gain;
+    values[i] = references[i] == kInput    ? of(instance).input
+                : references[i] == kOutput ? of(instance).output
+                                           : of(instance).gain;
   }
   return fmi3OK;
 }
 fmi3Status fmi3SetFloat64(QUAYSIDE_FMI3_VR, const fmi3Float64 values[], std::size_t) {
-  for (std::size_t i = 0; i < count; ++i) (references[i] == kInput ? of(instance).input : of(instance).gain) = values[i];
+  for (std::size_t i = 0; i < count; ++i)
+    (references[i] == kInput ? of(instance).input : of(instance).gain) = values[i];
   return fmi3OK;
 }
 fmi3Status fmi3GetBoolean(QUAYSIDE_FMI3_VR, fmi3Boolean values[], std::size_t) {
