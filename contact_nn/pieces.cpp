@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <cstring>
 #include <limits>
 
 namespace quayside::contact_nn {
@@ -76,6 +77,20 @@ Ranges ranges_over_polygon(const Polygon& polygon, const std::array<Affine, 3>& 
   return ranges;
 }
 
+// A vertex as one vector. Vertices are copied from polygon to polygon as soon as they are written, and a processor can hand
+// over at once what was written in one piece, not what was written in two.
+typedef double Two __attribute__((vector_size(16)));
+Two two(const Polygon::Vertex& x) {
+  Two v;
+  std::memcpy(&v, &x, sizeof v);
+  return v;
+}
+Polygon::Vertex vertex(const Two& v) {
+  Polygon::Vertex x;
+  std::memcpy(&x, &v, sizeof x);
+  return x;
+}
+
 // Clips a polygon again and again between two buffers.
 class Clipper {
  public:
@@ -110,10 +125,10 @@ void cut_face(Surface surface, int face, const Seen& x, unsigned cells, Pieces& 
 
   Polygon rectangle;
   rectangle.count = 4;
-  rectangle.vertex[0] = {-half_u, -half_v};
-  rectangle.vertex[1] = {half_u, -half_v};
-  rectangle.vertex[2] = {half_u, half_v};
-  rectangle.vertex[3] = {-half_u, half_v};
+  rectangle.vertex[0] = vertex(Two{-half_u, -half_v});
+  rectangle.vertex[1] = vertex(Two{half_u, -half_v});
+  rectangle.vertex[2] = vertex(Two{half_u, half_v});
+  rectangle.vertex[3] = vertex(Two{-half_u, half_v});
   Clipper inside(rectangle);
   for (int j = 0; j < 6; ++j)
     if (ranges.least[j] < 0) inside.clip(g[j]);
@@ -175,13 +190,23 @@ bool clip(const Polygon& in, const Affine& f, Polygon& out) {
   const auto is_outside = [outside](int k) { return outside >> k & 1u; };
   const auto crossing = [&](int kept, int cut) {
     const double t = value[kept] / (value[kept] - value[cut]);
-    const Polygon::Vertex &p = in.vertex[kept], &q = in.vertex[cut];
-    return Polygon::Vertex{p.u + t * (q.u - p.u), p.v + t * (q.v - p.v)};
+    const Two p = two(in.vertex[kept]), q = two(in.vertex[cut]);
+    return vertex(p + t * (q - p));
   };
-  const int lowest = static_cast<int>(std::min_element(value.begin(), value.begin() + count) - value.begin());
-  int first = next(lowest), last = previous(lowest);
-  while (is_outside(first)) first = next(first);
-  while (is_outside(last)) last = previous(last);
+  // One bit per vertex: those outside whose predecessor, or successor, is not.
+  const unsigned after_outside = outside << 1 | outside >> (count - 1);
+  const unsigned before_outside = outside >> 1 | (outside & 1u) << (count - 1);
+  const unsigned starts = outside & ~after_outside, ends = outside & ~before_outside;
+  int first, last;
+  if ((starts & (starts - 1)) == 0) {
+    first = next(__builtin_ctz(ends));
+    last = previous(__builtin_ctz(starts));
+  } else {
+    const int lowest = static_cast<int>(std::min_element(value.begin(), value.begin() + count) - value.begin());
+    first = next(lowest), last = previous(lowest);
+    while (is_outside(first)) first = next(first);
+    while (is_outside(last)) last = previous(last);
+  }
 
   int n = 0;
   for (int k = first;; k = next(k)) {

@@ -41,8 +41,8 @@ struct Polygon {
   struct Vertex {
     double u, v;
   };
+  alignas(16) std::array<Vertex, kMaxVertices> vertex;
   int count;
-  std::array<Vertex, kMaxVertices> vertex;
 };
 
 // The part of a polygon where f ≥ 0. True: it was cut, or vanished (count 0), and is in `out`; false: f is nowhere

@@ -59,7 +59,10 @@ Pressure pressure(const Moments& w, double c, const Affine& s) {
 // The same for the factor (1 + c s)₊: nothing ever pulls, not even one end of a rocking face. Where the factor turns
 // negative the polygon is cut along its zero line, so the force stays exact and continuous. s is the approach speed as a
 // function of the coordinates from the piece's first vertex.
-Pressure damped_pressure(const Piece& piece, double unit, const Moments& w, double c, const Affine& s) {
+// `width_u`, `width_v`: the piece is no wider than its face.
+Pressure damped_pressure(const Piece& piece, double unit, const Moments& w, double c, const Affine& s, double width_u,
+                         double width_v) {
+  if (c * (s.c - std::abs(s.u) * width_u - std::abs(s.v) * width_v) > -1) return pressure(w, c, s);
   const auto [u0, v0] = piece.polygon.vertex[0];
   const Affine factor{1 + c * (s.c - s.u * u0 - s.v * v0), c * s.u, c * s.v};
   bool pulls = false;
@@ -79,6 +82,13 @@ Pressure damped_pressure(const Piece& piece, double unit, const Moments& w, doub
   result.u += du * result.one;
   result.v += dv * result.one;
   return result;
+}
+
+// The vector with these components along the axes k, k + 1 and k + 2 (cyclic). By choice and not by index: a vector that is written
+// to memory by its components must wait there before it is read as a whole.
+Vector3d on_axes(int k, double along_k, double along_u, double along_v) {
+  return {k == 0 ? along_k : k == 1 ? along_v : along_u, k == 0 ? along_u : k == 1 ? along_k : along_v,
+          k == 0 ? along_v : k == 1 ? along_u : along_k};
 }
 
 // What the pieces on one box' surface add up to, in that box' frame X and about its centre. The pressure of a piece acts
@@ -157,16 +167,13 @@ ContactForce potential_force(const Box& a, const Box& b, const Pose& X_AB, const
     Side& side = sides[static_cast<int>(piece.surface)];
     const int k = piece.face / 2, k_u = (k + 1) % 3, k_v = (k + 2) % 3, m = piece.cell / 2;
     const double push = side.push(piece);
-    Vector3d first;  // where the piece's first vertex is
-    first[k] = piece.face % 2 ? -side.half[k] : side.half[k];
-    first[k_u] = piece.polygon.vertex[0].u;
-    first[k_v] = piece.polygon.vertex[0].v;
+    const double first_k = piece.face % 2 ? -side.half[k] : side.half[k];
+    const auto [first_u, first_v] = piece.polygon.vertex[0];
+    const Vector3d first = on_axes(k, first_k, first_u, first_v);  // where the piece's first vertex is
 
     const double weight = sigma * w.one, inverse = 1 / w.one;
     const double mean_u = w.u * inverse, mean_v = w.v * inverse;
-    Vector3d centre = first;
-    centre[k_u] += mean_u;
-    centre[k_v] += mean_v;
+    const Vector3d centre = on_axes(k, first_k, first_u + mean_u, first_v + mean_v);
     side.elastic += weight;
     side.elastic_moment += weight * centre;
 
@@ -174,17 +181,15 @@ ContactForce potential_force(const Box& a, const Box& b, const Pose& X_AB, const
     const Affine approach{push * (side.approach[m] + gradient.dot(first)), push * gradient[k_u], push * gradient[k_v]};
     Pressure load{w.one, w.u, w.v};
     if (law.damping > 0) {
-      load = damped_pressure(piece, unit, w, law.damping, approach);
+      load = damped_pressure(piece, unit, w, law.damping, approach, 2 * side.half[k_u], 2 * side.half[k_v]);
       const double power = approach.c * (load.one - w.one) + approach.u * (load.u - w.u) + approach.v * (load.v - w.v);
       result.dissipated_power += std::max(0.0, sigma * power);  // below zero by rounding only
     }
     const double N = sigma * load.one;
     result.normal_force += N;
     side.load[m] += push * N;
-    Vector3d moment = first * N;
-    moment[k_u] += sigma * load.u;
-    moment[k_v] += sigma * load.v;
-    side.load_moment.col(m) += push * moment;
+    side.load_moment.col(m) +=
+        push * on_axes(k, first_k * N, first_u * N + sigma * load.u, first_v * N + sigma * load.v);
 
     if (law.friction > 0) {
       const auto axis = side.axes.col(m);
