@@ -104,7 +104,8 @@ bool equal(const Vector3d& x, const Vector3d& y) { return (x - y).norm() <= kFor
 // The modules as they are deployed, and the gate by itself.
 struct Judge {
   explicit Judge(const EvaluationOptions& options)
-      : points_file(options.network.empty() ? shipped_gate(Law::points) : read_network(options.network, kPointsInterface)),
+      : points_file(options.network.empty() ? shipped_gate(Law::points)
+                                            : read_network(options.network, kPointsInterface)),
         gate(points_file.network) {
     ContactSettings settings;
     settings.law = Law::points;
@@ -159,7 +160,8 @@ void add(const Evaluation& part, Evaluation& whole) {
     SizeVerdict& w = whole.sizes[i];
     const SizeVerdict& p = part.sizes[i];
     for (const auto count : {&SizeVerdict::poses, &SizeVerdict::touching, &SizeVerdict::phantom, &SizeVerdict::missed,
-                             &SizeVerdict::deeper, &SizeVerdict::gap_off, &SizeVerdict::normal_off, &SizeVerdict::too_many,
+                             &SizeVerdict::deeper, &SizeVerdict::gap_off, &SizeVerdict::normal_off,
+                             &SizeVerdict::too_many,
                              &SizeVerdict::off_surface, &SizeVerdict::force_off, &SizeVerdict::fallbacks})
       w.*count += p.*count;
     w.worst_gap = std::max(w.worst_gap, p.worst_gap);
@@ -171,7 +173,8 @@ void add(const Evaluation& part, Evaluation& whole) {
   }
 }
 
-// One block: the committee on `count` poses of one size pair, all kinds of poses in turn, and the gate alone on as many.
+// One block: the committee on `count` poses of one size pair, all kinds of poses in turn, and the gate alone on as
+// many.
 void evaluate_block(const Judge& judge, std::uint64_t seed, std::uint64_t block, std::uint64_t count, Evaluation& out) {
   const std::size_t which = block % size_pairs().size();
   Random random(seed * 1000003 + block);

@@ -1,8 +1,8 @@
 // The committee judged from outside, on random poses: are its contacts true, and how often is its gate right by itself?
 //
-// The truth is computed here in another way than in the module: along every candidate direction the boxes' extents are added up.
-// The separation along any unit direction is a lower bound of the largest one, so the truth cannot be too large by rounding of
-// the direction, only by that of a sum.
+// The truth is computed here in another way than in the module: along every candidate direction the boxes' extents are
+// added up. The separation along any unit direction is a lower bound of the largest one, so the truth cannot be too
+// large by rounding of the direction, only by that of a sum.
 #pragma once
 
 #include <cstdint>
@@ -27,7 +27,8 @@ struct EvaluationOptions {
 // Lengths count as equal within this times the boxes' size, the sum of their half diagonals [1].
 inline constexpr double kEvaluationTolerance = 1e-9;
 
-// The committee as deployed, on one pair of sizes: the geometry query, and the force of the law `potential`. Numbers of poses.
+// The committee as deployed, on one pair of sizes: the geometry query, and the force of the law `potential`. Numbers of
+// poses.
 struct SizeVerdict {
   std::string name;
   std::uint64_t poses = 0, touching = 0;

@@ -1,5 +1,5 @@
-// Four doubles that are worked on at once, for code whose natural width is that of a vector in space: three lanes are used, the
-// fourth holds anything. The compiler splits or widens them for the machine it builds for.
+// Four doubles that are worked on at once, for code whose natural width is that of a vector in space: three lanes are
+// used, the fourth holds anything. The compiler splits or widens them for the machine it builds for.
 #pragma once
 
 #include <cstdint>
@@ -23,7 +23,7 @@ inline void store_four(const Four& v, double* x) { std::memcpy(x, &v, sizeof v);
 inline Four abs(const Four& v) {
   typedef std::int64_t Bits __attribute__((vector_size(32)));
   constexpr std::int64_t all_but_sign = INT64_MAX;
-  return reinterpret_cast<Four>(reinterpret_cast<Bits>(v) & Bits{all_but_sign, all_but_sign, all_but_sign, all_but_sign});
+  return reinterpret_cast<Four>(reinterpret_cast<Bits>(v) & (Bits{} + all_but_sign));
 }
 
 // (y, z, x) and (z, x, y)

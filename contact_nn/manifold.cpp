@@ -28,8 +28,8 @@ double rounding(const Box& a, const Box& b, const Vector3d& p_AB) {
 
 double sign(double x) { return x < 0 ? -1 : 1; }
 
-// A corner of the incident face, moved along the normal onto the reference face: where it lands (lanes 0 and 1, from the face's
-// centre), and how far it had to go (lane 2). All three are affine over the incident face.
+// A corner of the incident face, moved along the normal onto the reference face: where it lands (lanes 0 and 1, from
+// the face's centre), and how far it had to go (lane 2). All three are affine over the incident face.
 using Corner = Four;
 
 // A rectangle cut by four half-planes has at most eight corners; one more place for what is written but does not count.
@@ -38,8 +38,9 @@ struct Corners {
   std::array<Corner, 9> corner;
 };
 
-// Keeps the part where sign · corner[lane] ≤ limit. Each corner is kept or not, and the crossing with the side behind it is kept
-// or not: both are written always and counted only if wanted, since branches that go either way cost more than the work.
+// Keeps the part where sign · corner[lane] ≤ limit. Each corner is kept or not, and the crossing with the side behind
+// it is kept or not: both are written always and counted only if wanted, since branches that go either way cost more
+// than the work.
 template <int lane>
 void clip(const Corners& in, double sign, double limit, Corners& out) {
   int n = 0;
@@ -71,9 +72,9 @@ int largest_component(const Vector3d& n) {
   return k;
 }
 
-// The two faces that look most along the normal are held against each other: the incident one, of box Y, is moved along the
-// normal onto the reference one, of box X, and clipped by its sides. A corner at depth d is on Y's surface, and d n from it is X's:
-// the contact point is halfway. Everything in X's frame, `n` from X to Y.
+// The two faces that look most along the normal are held against each other: the incident one, of box Y, is moved along
+// the normal onto the reference one, of box X, and clipped by its sides. A corner at depth d is on Y's surface, and d n
+// from it is X's: the contact point is halfway. Everything in X's frame, `n` from X to Y.
 void face_points(const Vector3d& half_x, const Vector3d& half_y, const Pose& X_XY, const Vector3d& n, double tolerance,
                  double margin, double deepest, const Pose& X_AX, Manifold& manifold) {
   const auto& R = X_XY.linear();
@@ -89,7 +90,8 @@ void face_points(const Vector3d& half_x, const Vector3d& half_y, const Pose& X_X
   };
   const Vector3d middle = X_XY.translation() - sign(n_Y[m]) * half_y[m] * R.col(m);
   const Vector3d side_u = half_y[m_u] * R.col(m_u), side_v = half_y[m_v] * R.col(m_v);
-  const Corner c = onto_face(middle, plane - middle[k]), u = onto_face(side_u, -side_u[k]), v = onto_face(side_v, -side_v[k]);
+  const Corner c = onto_face(middle, plane - middle[k]);
+  const Corner u = onto_face(side_u, -side_u[k]), v = onto_face(side_v, -side_v[k]);
   Corners first, second;
   Corners *now = &first, *then = &second;
   first.count = 4;
@@ -113,7 +115,8 @@ void face_points(const Vector3d& half_x, const Vector3d& half_y, const Pose& X_X
 
   // A point and its depth are affine in the corner as well: one vector, stored as it is.
   const auto& Q = X_AX.linear();
-  const Four origin = four(X_AX.translation() + plane * Q.col(k)), along_u = four(Q.col(k_u)), along_v = four(Q.col(k_v));
+  const Four origin = four(X_AX.translation() + plane * Q.col(k));
+  const Four along_u = four(Q.col(k_u)), along_v = four(Q.col(k_v));
   const Vector3d half_n = -0.5 * (Q * n);
   const Four per_depth = four(half_n[0], half_n[1], half_n[2], 1);
   static_assert(sizeof(ManifoldPoint) == sizeof(Four), "three coordinates and the depth");
@@ -128,8 +131,8 @@ void face_points(const Vector3d& half_x, const Vector3d& half_y, const Pose& X_X
   manifold.count = count;
 }
 
-// The point halfway between the two edges that look at each other along n. With o the centres of the edges along e and f,
-// o_B + t f − o_A − s e = gap n; its products with f × n and e × n give s and t.
+// The point halfway between the two edges that look at each other along n. With o the centres of the edges along e and
+// f, o_B + t f − o_A − s e = gap n; its products with f × n and e × n give s and t.
 void edge_point(const Box& a, const Box& b, const Pose& X_AB, int i, int j, double tolerance, Manifold& manifold) {
   const Vector3d& n = manifold.n_A;
   const auto& R = X_AB.linear();

@@ -12,8 +12,8 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-// Rounding of g_j − g_i in units of ε times the size of the pair [1]: some ten operations. A face that lies in the sheet
-// between two cells to within it belongs to the lower cell as a whole, so that it is counted once.
+// Rounding of g_j − g_i in units of ε times the size of the pair [1]: some ten operations. A face that lies in the
+// sheet between two cells to within it belongs to the lower cell as a whole, so that it is counted once.
 constexpr double kSheetRounding = 16;
 
 // Box X as seen from box Y.
@@ -77,8 +77,8 @@ Ranges ranges_over_polygon(const Polygon& polygon, const std::array<Affine, 3>& 
   return ranges;
 }
 
-// A vertex as one vector. Vertices are copied from polygon to polygon as soon as they are written, and a processor can hand
-// over at once what was written in one piece, not what was written in two.
+// A vertex as one vector. Vertices are copied from polygon to polygon as soon as they are written, and a processor can
+// hand over at once what was written in one piece, not what was written in two.
 typedef double Two __attribute__((vector_size(16)));
 Two two(const Polygon::Vertex& x) {
   Two v;
@@ -170,7 +170,8 @@ void cut_face(Surface surface, int face, const Seen& x, unsigned cells, Pieces& 
 }  // namespace
 
 // The vertices outside a convex polygon's cut form one run; what is kept is the other run, and two new vertices where
-// the line crosses. Rounding at vertices on the line itself may break the runs: then the one with the lowest vertex is cut.
+// the line crosses. Rounding at vertices on the line itself may break the runs: then the one with the lowest vertex is
+// cut.
 bool clip(const Polygon& in, const Affine& f, Polygon& out) {
   const int count = in.count;
   std::array<double, kMaxVertices> value;

@@ -1,8 +1,8 @@
 // The surface of each of two overlapping boxes inside the other, cut into the pieces on which the depth is affine.
 //
 // The depth of a point inside box Y is φ_Y = min_j g_j, g_j the distance to Y's plane j. A piece is the part of face f
-// of box X that lies inside the other box Y and to which face i of Y, its cell, is the nearest: there φ_Y = g_i. It is a
-// convex polygon. Faces are numbered 2 · axis + (negative side ? 1 : 0).
+// of box X that lies inside the other box Y and to which face i of Y, its cell, is the nearest: there φ_Y = g_i. It is
+// a convex polygon. Faces are numbered 2 · axis + (negative side ? 1 : 0).
 #pragma once
 
 #include <array>
@@ -22,8 +22,8 @@ constexpr int piece_index(Surface surface, int face, int cell) {
 }
 inline PieceMask all_pieces() { return PieceMask().set(); }
 
-// Pieces that cannot be proved empty from the ranges of the distances over the face's rectangle: every piece that is not
-// empty is among them. Much cheaper than the cutting that would tell exactly.
+// Pieces that cannot be proved empty from the ranges of the distances over the face's rectangle: every piece that is
+// not empty is among them. Much cheaper than the cutting that would tell exactly.
 PieceMask possible_pieces(const Box& a, const Box& b, const Pose& X_AB);
 
 // c + u · (first coordinate) + v · (second)

@@ -57,9 +57,9 @@ Pressure pressure(const Moments& w, double c, const Affine& s) {
 }
 
 // The same for the factor (1 + c s)₊: nothing ever pulls, not even one end of a rocking face. Where the factor turns
-// negative the polygon is cut along its zero line, so the force stays exact and continuous. s is the approach speed as a
-// function of the coordinates from the piece's first vertex.
-// `width_u`, `width_v`: the piece is no wider than its face.
+// negative the polygon is cut along its zero line, so the force stays exact and continuous. s is the approach speed as
+// a function of the coordinates from the piece's first vertex. `width_u`, `width_v`: the piece is no wider than its
+// face.
 Pressure damped_pressure(const Piece& piece, double unit, const Moments& w, double c, const Affine& s, double width_u,
                          double width_v) {
   if (c * (s.c - std::abs(s.u) * width_u - std::abs(s.v) * width_v) > -1) return pressure(w, c, s);
@@ -84,15 +84,15 @@ Pressure damped_pressure(const Piece& piece, double unit, const Moments& w, doub
   return result;
 }
 
-// The vector with these components along the axes k, k + 1 and k + 2 (cyclic). By choice and not by index: a vector that is written
-// to memory by its components must wait there before it is read as a whole.
+// The vector with these components along the axes k, k + 1 and k + 2 (cyclic). By choice and not by index: a vector
+// that is written to memory by its components must wait there before it is read as a whole.
 Vector3d on_axes(int k, double along_k, double along_u, double along_v) {
   return {k == 0 ? along_k : k == 1 ? along_v : along_u, k == 0 ? along_u : k == 1 ? along_k : along_v,
           k == 0 ? along_v : k == 1 ? along_u : along_k};
 }
 
-// What the pieces on one box' surface add up to, in that box' frame X and about its centre. The pressure of a piece acts
-// along one of the other box' axes, so loads and their moments are gathered per axis.
+// What the pieces on one box' surface add up to, in that box' frame X and about its centre. The pressure of a piece
+// acts along one of the other box' axes, so loads and their moments are gathered per axis.
 struct Side {
   Side(Surface surface, const Box& a, const Box& b, const Pose& X_AB, const RelativeVelocity& V_AB)
       : of_a(surface == Surface::of_a), half(of_a ? a.half : b.half) {
@@ -113,8 +113,8 @@ struct Side {
     }
   }
 
-  // The pressure pushes B along this sign times the cell's axis: A's surface is pushed out of B through the cell's face,
-  // so B goes the other way.
+  // The pressure pushes B along this sign times the cell's axis: A's surface is pushed out of B through the cell's
+  // face, so B goes the other way.
   double push(const Piece& piece) const { return of_a == (piece.cell % 2 == 1) ? 1 : -1; }
 
   bool of_a;
@@ -136,11 +136,12 @@ struct Side {
 // Force and torque of a piece with outward normal n of Y's face i are σ M₀ n and σ M₁ × n on X, with
 // σ = ½ K A_f^(−2/p) I^(2/p − 1), M₀ = ∫φ^(p−1), M₁ = ∫φ^(p−1) x; the other box gets the opposite at the same points.
 //
-// Damping multiplies the weight by (1 + c s)₊, s the approach speed along n at each point, so rocking is damped as well.
+// Damping multiplies the weight by (1 + c s)₊, s the approach speed along n at each point, so rocking is damped as
+// well.
 //
-// Friction acts per piece at the centre x̄ of its elastic pressure, with torsion: with N the piece's load, v_t the sliding
-// velocity at x̄, ω_n the spin about n and r² the polar moment of the elastic pressure about x̄ over its sum, F = −k v_t and
-// T = −k r² ω_n n with k = μ N / √(|v_t|² + r² ω_n² + v_t0²). It takes the power k (|v_t|² + r² ω_n²).
+// Friction acts per piece at the centre x̄ of its elastic pressure, with torsion: with N the piece's load, v_t the
+// sliding velocity at x̄, ω_n the spin about n and r² the polar moment of the elastic pressure about x̄ over its sum, F
+// = −k v_t and T = −k r² ω_n n with k = μ N / √(|v_t|² + r² ω_n² + v_t0²). It takes the power k (|v_t|² + r² ω_n²).
 ContactForce potential_force(const Box& a, const Box& b, const Pose& X_AB, const RelativeVelocity& V_AB,
                              const LawParameters& law, const PieceMask& named) {
   Pieces pieces;

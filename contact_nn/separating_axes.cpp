@@ -44,7 +44,8 @@ struct EdgePairs {
     const Four &row_k = x.rows.row[k], &row_l = x.rows.row[l];
     const Four half_b = four(x.b);
     const Four reach_a = x.a[k] * x.rows_abs[l] + x.a[l] * x.rows_abs[k];
-    const Four reach_b = rotated(half_b) * rotated_twice(x.rows_abs[i]) + rotated_twice(half_b) * rotated(x.rows_abs[i]);
+    const Four reach_b =
+        rotated(half_b) * rotated_twice(x.rows_abs[i]) + rotated_twice(half_b) * rotated(x.rows_abs[i]);
     numerator = abs(x.p[l] * row_k - x.p[k] * row_l) - reach_a - reach_b;
     squared_sine = row_k * row_k + row_l * row_l;  // and not 1 − R_ij², which cancels for small angles
   }

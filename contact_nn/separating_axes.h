@@ -32,8 +32,8 @@ AxisSeparation largest_separation(const Box& a, const Box& b, const Pose& X_AB);
 // Unit, from A to B.
 Eigen::Vector3d axis_normal(const Pose& X_AB, int axis);
 
-// `certified`: the axis of largest separation is among the named ones. The whole test is made: four axes at a time it costs less
-// than three axes and the proof that no other beats them.
+// `certified`: the axis of largest separation is among the named ones. The whole test is made: four axes at a time it
+// costs less than three axes and the proof that no other beats them.
 struct NamedSeparation {
   AxisSeparation best;
   bool certified;
