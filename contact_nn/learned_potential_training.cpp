@@ -21,8 +21,8 @@ using Eigen::Vector3d;
 constexpr double kDegree = M_PI / 180;
 const LawParameters kElastic{6e8, 0, 0, 1e-3};  // the network does not depend on K
 
-// A torque about the impact point counts like a force at this distance [m]: the length of a container.
-constexpr double kArm = 12;
+// A torque about the impact point counts like a force at this distance [m]: half a container.
+constexpr double kArm = 5;
 // Errors below this count by their square, larger ones in proportion [1]: the median matters as well as the tail.
 constexpr double kSmallError = 0.01;
 constexpr double kValueWeight = 4;  // of the error of log d, squared, against that of its gradient

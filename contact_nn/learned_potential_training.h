@@ -24,7 +24,7 @@ BoxPair sample_landing(LandingPoses poses, double reach, Random& random);
 
 struct PotentialTrainingOptions {
   std::size_t pairs = 500000;
-  long steps = 220000;
+  long steps = 400000;
   std::uint64_t seed = 1;
   std::function<void(long step, double loss)> progress;  // now and then
 };

@@ -6,11 +6,12 @@
 // *Scale.* s is a depth that is zero exactly when an axis near z separates the boxes. For each such axis, S is the sum of the
 // eighth powers of the depths of the corners or edges that could be deepest on it, so a smooth support function, and
 //
-//     s = (Σ sine¹⁶ / S)^(−1/8)
+//     s = (Σ f⁸ / S)^(−1/8),     f = sine² / √(sine² + w²)
 //
 // over A's and B's face (sine 1) and the four pairs of horizontal edges. The maximum and the absolute values of the
-// separating-axis test, which would leave a kink in every aligned pose, are not needed. An edge's term is depth over
-// sine squared to the power of −8, so nearly parallel edges, whose common normal means nothing, fade out. Horizontal axes
+// separating-axis test, which would leave a kink in every aligned pose, are not needed. An edge's term is its depth to
+// the power of −8 where the sine is large, while nearly parallel edges, whose common normal means nothing, fade out.
+// Horizontal axes
 // have no term: the domain asks for an overlap of decimetres there.
 //
 // *Base.* Q is where the overlap of the two rectangles has its four corners: sides of A and of B, whichever comes first,
@@ -37,6 +38,7 @@ namespace quayside::contact_nn::learned {
 inline constexpr int kInputs = 27;
 inline constexpr int kDepths = 14;          // the first inputs, through asinh
 inline constexpr double kReach = 0.3;       // w of the inputs on B's and A's sides [m]
+inline constexpr double kParallel = 0.05;     // w, of edges that begin to count as parallel [1]
 inline constexpr double kLeastLength = 0.1;  // rounds L where Q has all but turned over [m]
 inline constexpr double kTiltScale = 30, kYawScale = 10, kSlenderScale = 10;  // inputs of order one [1]
 
@@ -120,7 +122,10 @@ class View {
       for (int c = 0; c < 4; ++c) depth_e[k][c] = up[k] * (middle + sx(c) * along_a + sy(c) * along_b);
       const T s4 = sine2[k] * sine2[k] * sine2[k] * sine2[k];
       inverse_e[k] = 1.0 / powers(depth_e[k], power_e[k]);
-      load = load + s4 * s4 * inverse_e[k];
+      const T wide = sine2[k] + kParallel * kParallel, wide2 = wide * wide;
+      fade[k] = s4 * s4 / (wide2 * wide2);
+      fade_slope[k] = s4 * sine2[k] * sine2[k] * sine2[k] / (wide2 * wide2 * wide) * (2.0 * wide - sine2[k]);
+      load = load + fade[k] * inverse_e[k];
     }
     s = unit / root(root(root(load)));
   }
@@ -237,9 +242,8 @@ class View {
     for (int k = 0; k < 4; ++k) {
       const int i = k / 2, j = k % 2, o = 1 - i, m = 1 - j;
       const double f = i == 0 ? 1 : -1, h = j == 0 ? 1 : -1;
-      const T sine4 = sine2[k] * sine2[k], w = share * inverse_e[k] * sine4 * sine4 * sine4 * sine2[k];
       const T to_log = weight && (k == 1 || k == 2) ? T(weight[11 + k] * input[11 + k]) : zero;  // of the input
-      const T common = up[k] * (w * sine2[k] + to_log) * inverse_e[k] * inverse_unit;
+      const T common = up[k] * (share * inverse_e[k] * fade[k] + to_log) * inverse_e[k] * inverse_unit;
       T sum = zero, sum_a = zero, sum_b = zero;
       for (int c = 0; c < 4; ++c) {
         const T t = common * power_e[k][c];
@@ -247,7 +251,7 @@ class View {
         sum_a = sum_a + sx(c) * t;
         sum_b = sum_b + sy(c) * t;
       }
-      const T to_sine2 = -w;
+      const T to_sine2 = -0.5 * share * inverse_e[k] * fade_slope[k];
       g.R[o][j] = g.R[o][j] + 2.0 * to_sine2 * R[o][j] + f * sum * (a[2] - p[2]);
       g.R[2][j] = g.R[2][j] + 2.0 * to_sine2 * R[2][j] + f * (sum * p[o] - sum_a * a[o]);
       g.p[2] = g.p[2] - f * sum * R[o][j];
@@ -321,7 +325,7 @@ class View {
 
   T unit, inverse_unit, inverse_s, inverse_r00, inverse_r11;
   T depth_a[4], depth_b[4], depth_e[4][4], power_a[4], power_b[4], power_e[4][4];
-  T load_a, load_b, inverse_e[4], sine2[4], up[4], length_slope[2];
+  T load_a, load_b, inverse_e[4], sine2[4], fade[4], fade_slope[4], up[4], length_slope[2];
   T side[4][4], slope[4][4], width[4][4], corner[4][2], corner_y0[4], corner_x1[4], reach_root[4][2];
 };
 
