@@ -21,7 +21,7 @@ void CaseOptions::add_to(CLI::App& command) {
   command.add_option("--contact", contact_model, "Who finds where boxes touch, in place of the case's contact.model: "
                                                  "committee or exact")
       ->type_name("MODEL");
-  command.add_option("--law", contact_law, "Which force follows, in place of the case's contact.law: potential or points")
+  command.add_option("--law", contact_law, "Which force follows, in place of the case's contact.law: potential, points or learned")
       ->type_name("LAW");
   command.add_option_function<std::string>(
              "--scene", [this](const std::string& scene) { full_scene = scene == "full"; },

@@ -139,7 +139,7 @@ MjcfOptions native_options(const Scene& scene, const contact_nn::ContactSettings
   for (const auto& pair : scene.pairs) {
     const FlatContact flat = press_flat(scene, pair);
     double stiffness = contact.stiffness;
-    if (contact.law == contact_nn::Law::potential) {
+    if (contact.law != contact_nn::Law::points) {
       stiffness *= std::pow(flat.area / contact_nn::kReferenceArea, 2.0 / contact_nn::kNorm);
     }
     const double inverse = inverse_mass(m, plain.body_id(pair.body_a), plain.body_id(pair.body_b));
