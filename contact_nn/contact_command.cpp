@@ -1,7 +1,5 @@
 #include "contact_nn/contact_command.h"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -22,6 +20,7 @@
 #include "contact_nn/learned_potential_command.h"
 #include "contact_nn/onnx_file.h"
 #include "contact_nn/separating_axes.h"
+#include "contact_nn/status_line.h"
 
 namespace quayside::contact_nn {
 
@@ -87,24 +86,6 @@ BoxPair pair_of(const std::vector<double>& x, const std::string& where) {
   return pair;
 }
 
-// A line on the terminal that is drawn over; nothing when stderr is no terminal.
-class Progress {
- public:
-  ~Progress() {
-    if (drawn_) fmt::print(stderr, "\r\033[K");
-  }
-  void show(const std::string& text) {
-    if (!terminal_) return;
-    fmt::print(stderr, "\r{}\033[K", text);
-    std::fflush(stderr);
-    drawn_ = true;
-  }
-
- private:
-  bool terminal_ = isatty(STDERR_FILENO) != 0;
-  bool drawn_ = false;
-};
-
 // ---- dataset
 
 struct DatasetArguments {
@@ -150,7 +131,7 @@ void run_train(TrainArguments arguments) {
   const auto start = std::chrono::steady_clock::now();
   NetworkFile file;
   {
-    Progress progress;
+    StatusLine progress;
     progress.show("drawing and labelling pairs ...");
     arguments.options.progress = [&](int epoch, double training, double validation) {
       progress.show(fmt::format("epoch {} of {}   loss: training {:.5f}, validation {:.5f}", epoch,

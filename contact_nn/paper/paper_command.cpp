@@ -1,7 +1,5 @@
 #include "contact_nn/paper/paper_command.h"
 
-#include <unistd.h>
-
 #include <atomic>
 #include <chrono>
 #include <csignal>
@@ -22,6 +20,7 @@
 #include "contact_nn/paper/figure.h"
 #include "contact_nn/paper/tables.h"
 #include "contact_nn/paper/tuning.h"
+#include "contact_nn/status_line.h"
 
 namespace quayside::contact_nn {
 
@@ -65,24 +64,6 @@ void add_data_options(CLI::App& command, std::string& reading, SubsetArguments& 
   command.add_option("--of-b", subset.of_b, "vertex_face: B's vertex, 0 to 6; edge_edge: B's edge, 0 to 8")
       ->capture_default_str();
 }
-
-// A line on the terminal that is drawn over; nothing when stderr is no terminal.
-class StatusLine {
- public:
-  ~StatusLine() {
-    if (drawn_) fmt::print(stderr, "\r\033[K");
-  }
-  void show(const std::string& text) {
-    if (!terminal_) return;
-    fmt::print(stderr, "\r{}\033[K", text);
-    std::fflush(stderr);
-    drawn_ = true;
-  }
-
- private:
-  bool terminal_ = isatty(STDERR_FILENO) != 0;
-  bool drawn_ = false;
-};
 
 void write_file(const std::filesystem::path& path, const std::string& text) {
   std::ofstream out(path, std::ios::binary);
