@@ -170,7 +170,7 @@ void NativeEngine::read_ropes() {
   const mjData* d = model_.data();
   for (std::size_t i = 0; i < tendons_.size(); ++i) {
     const auto& rope = scene_.ropes[i];
-    const crane_models::DriveMotion motion = rope.drive < 0 ? crane_models::DriveMotion{} : drives_[rope.drive];
+    const crane_models::DriveMotion motion = rope.drive < 0 ? crane_models::DriveMotion{} : drives_now_[rope.drive];
     const double rest_length = rope.rest_length + motion.value;
     const double stiffness = rope.axial_stiffness / rest_length;
     spreader::RopeTension& state = loads_.ropes[i];

@@ -35,7 +35,7 @@ void SameLawEngine::add_passive_forces(const mjModel*, mjData* data) {
   ++statistics_.rhs_evaluations;
   fill_drives(data->time);
   model_.read_motions(motions_);
-  forces_.evaluate(motions_, drives_, locks_closed_, loads_, statistics_.contact);
+  forces_.evaluate(motions_, drives_now_, locks_closed_, loads_, statistics_.contact);
   model_.add_forces(loads_.bodies, data->qfrc_passive);
   write_rates(loads_.rope_work_in, loads_.dissipated_power + model_.joint_damping_power());
   if (stage_ > kLastStage) return;
