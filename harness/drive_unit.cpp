@@ -147,7 +147,7 @@ bool DriveUnit::needs_event_mode() const {
   for (std::size_t i = 0; i < commands_; ++i) {
     if (by_input_[drives_.size() + i] && commanded(drives_.size() + i) != values_[i]) return true;
   }
-  return false;
+  return waits_for_what_holds();
 }
 
 void DriveUnit::reset() {
@@ -312,7 +312,7 @@ void connect_drives(Master& master, const Unit& plant, const DriveUnit& drives) 
     if (find(plant.variables(), variable.name) == plant.variables().size()) continue;
     const std::string at_drives = drives.name() + "::" + variable.name;
     const std::string at_plant = plant.name() + "::" + variable.name;
-    if (variable.causality == Causality::output) master.connect(at_drives, at_plant);
+    if (variable.causality == Causality::output) master.connect(at_drives, at_plant, Carries::at_once);
     if (variable.causality == Causality::input) master.connect(at_plant, at_drives);
   }
 }

@@ -84,6 +84,7 @@ int main(int argc, char** argv) {
     harness::add_plot_command(app);
     harness::add_sweep_command(app);
     harness::add_export_command(app);
+    harness::add_coupling_command(app);
     contact_nn::add_contact_commands(app);
     contact_nn::add_paper_commands(*app.get_subcommand("contact"));
     app.parse(argc, argv);

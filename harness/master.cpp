@@ -1,13 +1,9 @@
 #include "harness/master.h"
 
 #include <algorithm>
-#include <cassert>
-#include <cmath>
 #include <limits>
 
 #include <fmt/format.h>
-
-#include "harness/names.h"
 
 namespace quayside::harness {
 
@@ -19,97 +15,29 @@ constexpr int kMaxStalls = 1000;          // steps in a row that stop where they
 
 }  // namespace
 
-void Master::add(Unit& unit) {
-  for (const Unit* other : units_) {
-    if (other->name() == unit.name()) throw std::invalid_argument(fmt::format("two units are called \"{}\"", unit.name()));
-  }
-  units_.push_back(&unit);
-}
-
-Master::Endpoint Master::find(const std::string& name) const {
-  const std::size_t colons = name.find("::");
-  const std::string instance = name.substr(0, colons);
-  std::vector<std::string> instances;
-  for (std::size_t i = 0; i < units_.size(); ++i) {
-    instances.push_back(units_[i]->name());
-    if (units_[i]->name() != instance) continue;
-    const std::string wanted = colons == std::string::npos ? "" : name.substr(colons + 2);
-    std::vector<std::string> names;
-    for (const Variable& variable : units_[i]->variables()) {
-      if (variable.name == wanted) return {i, static_cast<ValueReference>(names.size())};
-      names.push_back(variable.name);
-    }
-    throw std::invalid_argument(
-        fmt::format("connection \"{}\": no variable \"{}\"; {}", name, wanted, nearest_names(wanted, names)));
-  }
-  throw std::invalid_argument(
-      fmt::format("connection \"{}\": no unit \"{}\"; {}", name, instance, nearest_names(instance, instances)));
-}
-
-void Master::connect(const std::string& output, const std::string& input) {
-  const Endpoint from = find(output), to = find(input);
-  const Variable& source = units_[from.unit]->variables()[from.variable];
-  const Variable& sink = units_[to.unit]->variables()[to.variable];
-  const auto refuse = [&](const std::string& why) {
-    throw std::invalid_argument(fmt::format("connection of \"{}\" to \"{}\": {}", output, input, why));
-  };
-  if (source.causality != Causality::output) refuse("the first is not an output");
-  if (sink.causality != Causality::input) refuse("the second is not an input");
-  if (source.type != sink.type) refuse("one is a number, the other boolean");
-  const bool both_told = !source.unit.empty() && !sink.unit.empty();
-  if (both_told && source.unit != sink.unit) refuse(fmt::format("their units differ, [{}] and [{}]", source.unit, sink.unit));
-  for (const Connection& other : connections_) {
-    if (other.to.unit == to.unit && other.to.variable == to.variable) refuse("the input already gets " + other.name);
-  }
-  connections_.push_back({from, to, output, std::numeric_limits<double>::quiet_NaN()});
-}
-
-// Inputs are set only when their value is new. Returns whether it was.
-bool Master::carry(Connection& connection) {
-  const double value = units_[connection.from.unit]->get(connection.from.variable);
-  if (value == connection.value) return false;
-  if (!std::isfinite(value)) {
-    throw StepFailed(units_[connection.from.unit]->name(), time_, fmt::format("{} is {}", connection.name, value));
-  }
-  units_[connection.to.unit]->set(connection.to.variable, value);
-  connection.value = value;
-  return true;
-}
-
-bool Master::carry_all() {
-  bool changed = false;
-  for (Connection& connection : connections_) changed |= carry(connection);
-  return changed;
-}
-
-void Master::carry_to(std::size_t unit) {
-  for (Connection& connection : connections_) {
-    if (connection.to.unit == unit) carry(connection);
-  }
-}
-
 void Master::initialize(Time start) {
   time_ = start;
   terminated_ = false;
-  for (Connection& connection : connections_) connection.value = std::numeric_limits<double>::quiet_NaN();
-  for (Unit* unit : units_) unit->enter_initialization_mode(start);
-  carry_all();
-  for (Unit* unit : units_) unit->exit_initialization_mode();  // into event mode
+  network_.forget_values();
+  method_->restart();
+  for (Unit* unit : network_.units()) unit->enter_initialization_mode(start);
+  network_.carry_all(start);
+  for (Unit* unit : network_.units()) unit->exit_initialization_mode();  // into event mode
   settle();
 }
 
 // Event mode until nothing changes, then on to step mode.
 void Master::settle() {
-  carry_all();
+  network_.carry_all(time_);
   for (int i = 0; i < kMaxEventIterations; ++i) {
     next_event_ = kNever;
-    for (Unit* unit : units_) {
+    for (Unit* unit : network_.units()) {
       if (const std::optional<Time> next = unit->update_discrete_states()) {
         next_event_ = std::min(next_event_, std::max(*next, time_));
       }
     }
-    if (carry_all()) continue;
-    for (Unit* unit : units_) unit->enter_step_mode();
+    if (network_.carry_all(time_)) continue;
+    for (Unit* unit : network_.units()) unit->enter_step_mode();
     return;
   }
   throw StepFailed("master", time_,
@@ -118,31 +46,20 @@ void Master::settle() {
                                kMaxEventIterations));
 }
 
-// One Gauss-Seidel step towards `goal`. Returns whether there is an event at the time that was reached.
-bool Master::step(Time goal) {
-  bool event = false;
-  for (std::size_t i = 0; i < units_.size() && goal > time_; ++i) {
-    carry_to(i);
-    const StepResult result = units_[i]->do_step(time_, goal - time_);
-    assert(result.time >= time_ && result.time <= goal);
-    if (result.time < goal && i > 0) {
-      throw StepFailed(units_[i]->name(), result.time,
-                       fmt::format("stopped early, while {} is ahead at {} s; only the first unit may", units_[0]->name(),
-                                   seconds(goal)));
-    }
-    goal = result.time;
-    event |= result.event;
-    terminated_ |= result.terminate;
+bool Master::advance_to_event(Time target) {
+  const Time goal = std::min(target, next_event_);
+  while (true) {
+    const Time before = time_;
+    const Reached reached = method_->step(network_, time_, goal);
+    time_ = reached.time;
+    terminated_ |= reached.terminate;
+    if (reached.event || time_ == next_event_ || needs_event_mode()) return true;
+    if (time_ >= goal || time_ == before || terminated_) return false;
   }
-  time_ = goal;
-  carry_all();
-  return event || time_ == next_event_ || needs_event_mode();
 }
 
-bool Master::advance_to_event(Time target) { return step(std::min(target, next_event_)); }
-
 void Master::handle_event() {
-  for (Unit* unit : units_) unit->enter_event_mode();
+  for (Unit* unit : network_.units()) unit->enter_event_mode();
   settle();
 }
 
@@ -151,21 +68,23 @@ std::optional<Time> Master::next_event() const {
 }
 
 bool Master::needs_event_mode() const {
-  return std::any_of(units_.begin(), units_.end(), [](const Unit* unit) { return unit->needs_event_mode(); });
+  return std::any_of(network_.units().begin(), network_.units().end(), [](const Unit* unit) { return unit->needs_event_mode(); });
 }
 
 void Master::save(ByteWriter& out) const {
   out.put(time_);
   out.put(next_event_);
   out.put(terminated_);
-  for (const Connection& connection : connections_) out.put(connection.value);
+  network_.save(out);
+  method_->save(out);
 }
 
 void Master::restore(ByteReader& in) {
   in.get(time_);
   in.get(next_event_);
   in.get(terminated_);
-  for (Connection& connection : connections_) in.get(connection.value);
+  network_.restore(in);
+  method_->restore(in);
 }
 
 bool Master::advance_to(Time target) {
@@ -173,13 +92,15 @@ bool Master::advance_to(Time target) {
     const Time before = time_;
     if (advance_to_event(target)) handle_event();
     stalls = time_ > before ? 0 : stalls + 1;
-    if (stalls > kMaxStalls) throw StepFailed(units_[0]->name(), time_, "events follow each other without progress in time");
+    if (stalls > kMaxStalls) {
+      throw StepFailed(network_.units()[0]->name(), time_, "events follow each other without progress in time");
+    }
   }
   return !terminated_;
 }
 
 void Master::terminate() {
-  for (Unit* unit : units_) unit->terminate();
+  for (Unit* unit : network_.units()) unit->terminate();
 }
 
 }  // namespace quayside::harness

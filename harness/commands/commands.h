@@ -26,5 +26,6 @@ void add_compare_command(CLI::App& app);
 void add_plot_command(CLI::App& app);
 void add_sweep_command(CLI::App& app);
 void add_export_command(CLI::App& app);
+void add_coupling_command(CLI::App& app);
 
 }  // namespace quayside::harness

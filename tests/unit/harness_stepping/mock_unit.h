@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "harness/engine_unit.h"
+#include "harness/state_bytes.h"
 
 namespace quayside::harness {
 
@@ -33,6 +34,7 @@ class MockUnit : public EngineUnit {
   std::vector<std::pair<Time, Time>> steps;  // now, step
   std::vector<Time> event_modes;             // times at which event mode was entered from step mode
   int updates = 0;
+  int restored = 0;
   Time now = 0;
   std::vector<Event> events;
   bool terminated = false;
@@ -58,8 +60,18 @@ class MockUnit : public EngineUnit {
     now = result.time;
     return result;
   }
-  UnitState save() override { return {}; }
-  void restore(const UnitState&) override {}
+  UnitState save() override {
+    ByteWriter out;
+    out.put(now);
+    out.put(values.data(), values.size());
+    return out.take();
+  }
+  void restore(const UnitState& state) override {
+    ByteReader in(state);
+    in.get(now);
+    in.get(values.data(), values.size());
+    ++restored;
+  }
   void terminate() override { terminated = true; }
   void reset() override {}
 
