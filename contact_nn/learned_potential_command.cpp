@@ -101,6 +101,7 @@ void run_evaluate(const EvaluateArguments& arguments) {
   fmt::print("{:<12}{:>8}{:>8}{:>9}{:>9}{:>9}{:>8}{:>9}{:>9}{:>9}{:>8}{:>8}\n", "poses", "median%", "p99 %", "most %",
              "lever mm", "p99 mm", "covered", "exact", "single", "batch", "faster", "batched");
   row("landing", boxes(LandingPoses::any));
+  row("edge", boxes(LandingPoses::edge));
   row("resting", boxes(LandingPoses::resting));
   row("aligned", boxes(LandingPoses::aligned));
   // Outside the domain the exact law answers: what is left is the cost of asking.

@@ -15,6 +15,7 @@ namespace quayside::contact_nn {
 // What the poses are like. Boxes of all known sizes, every second pair seen from the upper box.
 enum class LandingPoses {
   any,      // tilts and yaws spread evenly over the domain, offsets over all that overlap
+  edge,     // as any, but tilted nearly about an edge: down to a hundred-thousandth off
   resting,  // axes parallel but for a disturbance from rounding to milliradians
   aligned,  // axes exactly parallel, half without yaw; offsets of none, flush or any
 };

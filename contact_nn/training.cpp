@@ -1,11 +1,13 @@
 #include "contact_nn/training.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numeric>
 #include <stdexcept>
 
 #include "contact_nn/random.h"
+#include "contact_nn/soap.h"
 
 namespace quayside::contact_nn {
 
@@ -44,6 +46,17 @@ Network network_of(const Parameters<Scalar>& p) {
   return network;
 }
 
+// Makes the two largest of the wrong answers' logits so small that they do not count.
+template <class Target, class Scalar>
+void leave_out_two(const Target& target, Vector<Scalar>& logits) {
+  constexpr Scalar none = std::numeric_limits<Scalar>::lowest();
+  for (int k = 0; k < 2; ++k) {
+    Eigen::Index largest;
+    (target.array() > 0).select(none, logits.array()).maxCoeff(&largest);
+    if (target[largest] == 0) logits[largest] = none;
+  }
+}
+
 // Sum of the losses of all samples; `error` becomes its derivative with respect to the outputs.
 template <class Scalar>
 double loss_of(Loss loss, Scalar positive_weight, const Matrix<Scalar>& y, const Matrix<Scalar>& t,
@@ -63,12 +76,16 @@ double loss_of(Loss loss, Scalar positive_weight, const Matrix<Scalar>& y, const
                           positive_weight * t.array() * y.array().min(Scalar(0));
       return static_cast<double>(losses.sum());
     }
-    case Loss::softmax_cross_entropy: {
+    case Loss::softmax_cross_entropy:
+    case Loss::top_three_cross_entropy: {
       double sum = 0;
       error.resizeLike(y);
+      Vector<Scalar> left;  // the logits that count
       for (Eigen::Index i = 0; i < y.cols(); ++i) {
-        const Scalar largest = y.col(i).maxCoeff();
-        const auto powers = (y.col(i).array() - largest).exp().eval();
+        left = y.col(i);
+        if (loss == Loss::top_three_cross_entropy) leave_out_two(t.col(i), left);
+        const Scalar largest = left.maxCoeff();
+        const auto powers = (left.array() - largest).exp().eval();
         const Scalar total = powers.sum();
         error.col(i) = (powers / total).matrix() - t.col(i);
         sum += static_cast<double>(largest + std::log(total) - y.col(i).dot(t.col(i)));
@@ -123,43 +140,6 @@ class Backpropagation {
 
   std::vector<Matrix<Scalar>> values_;
   Matrix<Scalar> error_, next_error_;
-};
-
-// Kingma and Ba, "Adam: a method for stochastic optimization" (2015), with their constants.
-class Adam {
- public:
-  explicit Adam(const Parameters<float>& p) : mean_(p), square_(p) {
-    for (auto* moments : {&mean_, &square_}) {
-      for (auto& w : moments->weights) w.setZero();
-      for (auto& b : moments->biases) b.setZero();
-    }
-  }
-
-  void step(Parameters<float>& p, const Parameters<float>& gradient, double scale, double learning_rate) {
-    ++steps_;
-    const double rate = learning_rate * std::sqrt(1 - std::pow(beta2, steps_)) / (1 - std::pow(beta1, steps_));
-    for (std::size_t i = 0; i < p.weights.size(); ++i) {
-      update(p.weights[i], gradient.weights[i], mean_.weights[i], square_.weights[i], scale, rate);
-      update(p.biases[i], gradient.biases[i], mean_.biases[i], square_.biases[i], scale, rate);
-    }
-  }
-
- private:
-  static constexpr double beta1 = 0.9;
-  static constexpr double beta2 = 0.999;
-  static constexpr float epsilon = 1e-8f;
-
-  template <class Parameter>
-  static void update(Parameter& p, const Parameter& gradient, Parameter& mean, Parameter& square, double scale,
-                     double rate) {
-    const float s = static_cast<float>(scale);
-    mean.array() = float(beta1) * mean.array() + float(1 - beta1) * s * gradient.array();
-    square.array() = float(beta2) * square.array() + float(1 - beta2) * (s * gradient.array()).square();
-    p.array() -= static_cast<float>(rate) * mean.array() / (square.array().sqrt() + epsilon);
-  }
-
-  Parameters<float> mean_, square_;
-  long steps_ = 0;
 };
 
 void shuffle(std::vector<Eigen::Index>& order, Random& random) {
@@ -242,7 +222,8 @@ TrainingResult train(const Samples& training, const Samples& validation, const T
   sizes.push_back(static_cast<int>(training.targets.rows()));
   Parameters<float> p = parameters_of<float>(random_network(sizes, options.activation, options.seed));
   Parameters<float> best = p, gradient = p;
-  Adam adam(p);
+  std::vector<Soap> optimisers;
+  for (const Eigen::MatrixXf& weights : p.weights) optimisers.emplace_back(weights.rows(), weights.cols());
   Backpropagation<float> backpropagation;
   Random random(options.seed + 1);
   std::vector<Eigen::Index> order(static_cast<std::size_t>(training.size()));
@@ -267,7 +248,11 @@ TrainingResult train(const Samples& training, const Samples& validation, const T
         targets.col(i) = training.targets.col(order[static_cast<std::size_t>(begin + i)]);
       }
       training_loss += backpropagation(p, inputs, targets, options.loss, weight, gradient);
-      adam.step(p, gradient, 1.0 / static_cast<double>(n), rate);
+      for (std::size_t k = 0; k < optimisers.size(); ++k) {
+        gradient.weights[k] /= static_cast<float>(n);
+        gradient.biases[k] /= static_cast<float>(n);
+        optimisers[k].step(p.weights[k], p.biases[k], gradient.weights[k], gradient.biases[k], rate);
+      }
     }
     training_loss /= static_cast<double>(training.size());
 

@@ -1,4 +1,4 @@
-// Training of networks: minibatch Adam with early stopping. Deterministic: the same data, options and seed give the
+// Training of networks: minibatches, SOAP (soap.h), early stopping. Deterministic: the same data, options and seed give the
 // same network to the last bit (on one machine and build; the order of sums depends on the vector width).
 #pragma once
 
@@ -25,6 +25,9 @@ enum class Loss {
   mean_square,            // ½ Σ (y − t)²
   binary_cross_entropy,   // independent yes/no outputs; y is the logit, t is 0 or 1
   softmax_cross_entropy,  // one of many; y are the logits, t sums to 1
+  top_three_cross_entropy,  // the same, with the two largest logits of wrong answers left out: zero when the right one
+                            // is clearly among the first three. (Lapin, Hein and Schiele, "Loss functions for top-k
+                            // error", 2016: truncated top-k entropy)
 };
 
 struct TrainingOptions {

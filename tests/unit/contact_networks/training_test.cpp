@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "contact_nn/random.h"
+#include "contact_nn/soap.h"
 
 namespace quayside::contact_nn {
 namespace {
@@ -11,7 +12,7 @@ namespace {
 Eigen::MatrixXd targets_for(Loss loss, int outputs, int samples) {
   Eigen::MatrixXd targets = Eigen::MatrixXd::Random(outputs, samples);
   if (loss == Loss::binary_cross_entropy) targets = (targets.array() > 0).cast<double>();
-  if (loss == Loss::softmax_cross_entropy) {
+  if (loss == Loss::softmax_cross_entropy || loss == Loss::top_three_cross_entropy) {
     for (int i = 0; i < samples; ++i) targets.col(i) = Eigen::VectorXd::Unit(outputs, i % outputs);
   }
   return targets;
@@ -21,10 +22,11 @@ Eigen::MatrixXd targets_for(Loss loss, int outputs, int samples) {
 // 1e-7 of a gradient of order 1 leaves room for curvature and still sees any wrong term.
 TEST(Training, GradientIsTheDerivativeOfTheLoss) {
   std::srand(1);  // Eigen's random matrices
-  for (const Loss loss : {Loss::mean_square, Loss::binary_cross_entropy, Loss::softmax_cross_entropy}) {
+  for (const Loss loss : {Loss::mean_square, Loss::binary_cross_entropy, Loss::softmax_cross_entropy,
+                          Loss::top_three_cross_entropy}) {
     for (const Activation activation : {Activation::tanh, Activation::relu}) {
-      Network network = random_network({4, 7, 5, 3}, activation, 3);
-      const Eigen::MatrixXd inputs = Eigen::MatrixXd::Random(4, 12), targets = targets_for(loss, 3, 12);
+      Network network = random_network({4, 7, 5, 6}, activation, 3);
+      const Eigen::MatrixXd inputs = Eigen::MatrixXd::Random(4, 12), targets = targets_for(loss, 6, 12);
       const double weight = loss == Loss::binary_cross_entropy ? 5 : 1, h = 1e-5;
       Network gradient;
       const double value = mean_loss(network, inputs, targets, loss, weight, gradient);
@@ -49,7 +51,8 @@ TEST(Training, GradientIsTheDerivativeOfTheLoss) {
   }
 }
 
-// Losses with a known value: ½ y² for one output y against 0; log 2 for a logit of 0; log n for n equal logits.
+// Losses with a known value: ½ y² for one output y against 0; log 2 for a logit of 0; log n for n equal logits, of which the first
+// three's loss leaves out two.
 TEST(Training, LossesHaveTheirKnownValues) {
   Network zero;
   zero.layers.push_back({Eigen::MatrixXd::Zero(4, 1), Eigen::VectorXd::Zero(4), Activation::identity});
@@ -58,10 +61,47 @@ TEST(Training, LossesHaveTheirKnownValues) {
   EXPECT_NEAR(mean_loss(zero, input, yes, Loss::binary_cross_entropy), 4 * std::log(2.0), 1e-15);
   EXPECT_NEAR(mean_loss(zero, input, yes, Loss::binary_cross_entropy, 10), 13 * std::log(2.0), 1e-14);
   EXPECT_NEAR(mean_loss(zero, input, yes, Loss::softmax_cross_entropy), std::log(4.0), 1e-15);
+  EXPECT_NEAR(mean_loss(zero, input, yes, Loss::top_three_cross_entropy), std::log(2.0), 1e-15);
 
   zero.layers[0].bias << 800, -800, 0, 0;  // neither loss may overflow
   EXPECT_NEAR(mean_loss(zero, input, yes, Loss::softmax_cross_entropy), 800, 1e-9);
   EXPECT_NEAR(mean_loss(zero, input, yes, Loss::binary_cross_entropy), 800 + 2 * std::log(2.0), 1e-9);
+}
+
+// What the loss is for: a right answer that is third, far behind two others, costs nothing; a fourth one costs its distance
+// to the third.
+TEST(Training, OnlyTheFirstThreeCountInTheLossOfTheFirstThree) {
+  Network network;
+  network.layers.push_back({Eigen::MatrixXd::Zero(5, 1), Eigen::VectorXd::Zero(5), Activation::identity});
+  const Eigen::MatrixXd input = Eigen::MatrixXd::Ones(1, 1), yes = Eigen::VectorXd::Unit(5, 2);
+  network.layers[0].bias << 500, 300, 100, 0, 0;
+  EXPECT_NEAR(mean_loss(network, input, yes, Loss::top_three_cross_entropy), 0, 1e-12);
+  network.layers[0].bias << 500, 300, 100, 150, 0;
+  EXPECT_NEAR(mean_loss(network, input, yes, Loss::top_three_cross_entropy), 50, 1e-12);
+}
+
+// A linear layer on strongly correlated inputs: the squares' Hessian has the eigenvalues 1 + (n − 1) c and 1 − c, here some
+// 1e4 apart, along directions that mix all inputs. A method that scales single weights crawls along the flat ones; one that
+// finds the directions does not.
+TEST(Training, TheOptimiserFindsTheAxesOfCorrelatedInputs) {
+  constexpr int kInputs = 12, kSamples = 200;
+  Random random(4);
+  Eigen::MatrixXf inputs(kInputs, kSamples), weights = Eigen::MatrixXf::Zero(3, kInputs), wanted(3, kInputs);
+  for (float& w : wanted.reshaped()) w = static_cast<float>(random.normal());
+  for (int i = 0; i < kSamples; ++i) {
+    const double common = random.normal();
+    for (int j = 0; j < kInputs; ++j) inputs(j, i) = static_cast<float>(common + 0.03 * random.normal());
+  }
+  Eigen::VectorXf bias = Eigen::VectorXf::Zero(3);
+  const Eigen::MatrixXf targets = (wanted * inputs).colwise() + Eigen::Vector3f(1, -2, 0.5);
+  Soap soap(3, kInputs);
+  constexpr int kSteps = 1000;
+  for (int step = 0; step < kSteps; ++step) {
+    const Eigen::MatrixXf error = ((weights * inputs - targets).colwise() + bias) / kSamples;
+    soap.step(weights, bias, error * inputs.transpose(), error.rowwise().sum(), 0.05 * (1 - step / double(kSteps)));
+  }
+  EXPECT_LT((weights - wanted).cwiseAbs().maxCoeff(), 1e-2);
+  EXPECT_LT((bias - Eigen::Vector3f(1, -2, 0.5)).cwiseAbs().maxCoeff(), 1e-2);
 }
 
 Samples sine_samples(int count, std::uint64_t seed) {
