@@ -17,6 +17,7 @@
 #include <fmt/format.h>
 
 #include "contact_nn/onnx_file.h"
+#include "contact_nn/paper/bounce_command.h"
 #include "contact_nn/paper/figure.h"
 #include "contact_nn/paper/tables.h"
 #include "contact_nn/paper/tuning.h"
@@ -282,6 +283,8 @@ void add_paper_commands(CLI::App& contact) {
   command->footer("Ctrl-C stops; the same command continues where it stopped.\n\n"
                   "Example:\n  quayside contact tune --networks 2000 -o tuning.csv");
   command->callback([tuning] { run_tune(*tuning); });
+
+  add_bounce_command(contact);
 }
 
 }  // namespace quayside::contact_nn

@@ -1,4 +1,5 @@
-// quayside contact trihedra|evaluate|tune: the paper's data, its tables and its tuning made again.
+// quayside contact trihedra|evaluate|tune|bounces: the paper's data, its tables and its tuning made again, and its module in
+// an integrator.
 #pragma once
 
 namespace CLI {
@@ -7,7 +8,7 @@ class App;
 
 namespace quayside::contact_nn {
 
-// Adds the three commands to `quayside contact`.
+// Adds these commands to `quayside contact`.
 void add_paper_commands(CLI::App& contact_app);
 
 }  // namespace quayside::contact_nn

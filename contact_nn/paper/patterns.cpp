@@ -14,11 +14,7 @@ namespace {
 using Eigen::Vector3d;
 using Eigen::Vector4d;
 
-struct PointAndDirection {
-  Vector3d point, direction;
-};
-
-PointAndDirection answer(const TouchingPose& pose, const Pose& X_AB, Target target) {
+Impact answer(const TouchingPose& pose, const Pose& X_AB, Target target) {
   if (target == Target::vertex) return {pose.impact_A, pose.n_A};
   LawParameters law{};  // no damping, no friction: what is left is the gradient of the potential
   law.stiffness = 1;    // scales the force, not its direction
@@ -38,17 +34,6 @@ Eigen::Matrix3d turned_axes() {
 
 Vector3d on_surface(const Vector3d& v) { return v * (kEdge / 2 / v.cwiseAbs().maxCoeff()); }
 
-PointAndDirection decoded(const Eigen::Ref<const Eigen::VectorXd>& y, Encoding encoding) {
-  if (encoding == Encoding::angles) return {direction(y[0], y[1]), direction(y[2], y[3])};
-  if (encoding == Encoding::turned) {
-    const Eigen::Matrix3d back = turned_axes().transpose();
-    return {back * direction(y[0], y[1]), back * direction(y[2], y[3])};
-  }
-  constexpr double tiny = 1e-12;  // an output of no direction at all
-  const auto safe = [&](const Vector3d& v) { return v.norm() > tiny ? v : Vector3d(Vector3d::UnitX()); };
-  return {safe(y.head<3>()), safe(y.tail<3>())};
-}
-
 Spread spread(std::vector<double>& values) {
   Spread s;
   if (values.empty()) return s;
@@ -64,6 +49,20 @@ Spread spread(std::vector<double>& values) {
 }
 
 }  // namespace
+
+Impact impact_of(const Eigen::Ref<const Eigen::VectorXd>& y, Encoding encoding) {
+  constexpr double tiny = 1e-12;  // an output of no direction at all
+  const auto unit = [&](const Vector3d& v) { return v.norm() > tiny ? v.normalized() : Vector3d(Vector3d::UnitX()); };
+  if (encoding == Encoding::vectors) return {on_surface(unit(y.head<3>())), unit(y.tail<3>())};
+  const Vector3d point = direction(y[0], y[1]), force = direction(y[2], y[3]);
+  if (encoding == Encoding::angles) return {on_surface(point), force};
+  const Eigen::Matrix3d back = turned_axes().transpose();
+  return {on_surface(back * point), back * force};
+}
+
+Vector3d euler_angles(const Eigen::Matrix3d& R) {
+  return {std::atan2(R(2, 1), R(2, 2)), std::asin(std::clamp(-R(2, 0), -1.0, 1.0)), std::atan2(R(1, 0), R(0, 0))};
+}
 
 int outputs_of(Encoding encoding) { return encoding == Encoding::vectors ? 6 : 4; }
 
@@ -87,7 +86,7 @@ Samples patterns(const std::vector<TouchingPose>& poses, const Coding& coding) {
     Pose X_AB = pose.X_AB;
     X_AB.translation() -= coding.depth * pose.n_A;
     samples.inputs.col(i) << X_AB.translation().cast<float>(), pose.euler.cast<float>();
-    const PointAndDirection y = answer(pose, X_AB, coding.target);
+    const Impact y = answer(pose, X_AB, coding.target);
     if (coding.encoding == Encoding::vectors) {
       samples.targets.col(i) << (on_surface(y.point) * (2 / kEdge)).cast<float>(),
           y.direction.normalized().cast<float>();
@@ -106,8 +105,8 @@ OutputErrors output_errors(const Eigen::MatrixXd& outputs, const Eigen::MatrixXd
 PhysicalErrors physical_errors(const Eigen::MatrixXd& outputs, const Eigen::MatrixXd& targets, Encoding encoding) {
   std::vector<double> points, forces;
   for (Eigen::Index i = 0; i < outputs.cols(); ++i) {
-    const PointAndDirection said = decoded(outputs.col(i), encoding), meant = decoded(targets.col(i), encoding);
-    points.push_back((on_surface(said.point) - on_surface(meant.point)).norm() / kEdge);
+    const Impact said = impact_of(outputs.col(i), encoding), meant = impact_of(targets.col(i), encoding);
+    points.push_back((said.point - meant.point).norm() / kEdge);
     const double angle = std::atan2(said.direction.cross(meant.direction).norm(), said.direction.dot(meant.direction));
     forces.push_back(angle * 180 / M_PI);
   }

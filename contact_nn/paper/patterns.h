@@ -42,6 +42,15 @@ Samples patterns(const std::vector<TouchingPose>& poses, const Coding& coding);
 Eigen::Vector2d spherical(const Eigen::Vector3d& v);
 Eigen::Vector3d direction(double azimuth, double elevation);
 
+// What outputs mean: the impact point, on A's surface [m], and the direction of the force on B, a unit vector.
+struct Impact {
+  Eigen::Vector3d point, direction;
+};
+Impact impact_of(const Eigen::Ref<const Eigen::VectorXd>& outputs, Encoding encoding);
+
+// α, β, γ of R_z(γ) R_y(β) R_x(α), with β in [−π/2, π/2] [rad].
+Eigen::Vector3d euler_angles(const Eigen::Matrix3d& R_AB);
+
 // What is left on the output side: errors in the outputs' own units over all outputs and patterns …
 struct OutputErrors {
   double mean = 0;      // ME, output − target

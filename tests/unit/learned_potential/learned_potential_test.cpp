@@ -8,6 +8,7 @@
 
 #include "contact_nn/learned_potential_training.h"
 #include "contact_nn/separating_axes.h"
+#include "tests/unit/contact_networks/heap_counter.h"
 #include "tests/unit/contact_nn/poses.h"
 
 namespace quayside::contact_nn {
@@ -252,6 +253,26 @@ TEST(LearnedPotential, DampingAndFrictionOnlyTakeEnergy) {
     EXPECT_GE(f.normal_force, 0);
     EXPECT_NEAR(f.dissipated_power, taken, 1e-9 * (e.f_A.norm() + f.f_A.norm()) * 10);
   });
+}
+
+// In the domain, in the seam and outside of it, one by one and in batches.
+TEST(LearnedPotential, TheStepPathTakesNothingFromTheHeap) {
+  ContactSettings settings;
+  settings.law = Law::learned;
+  const auto module = make_learned_module(settings);
+  std::vector<LearnedPair> pairs;
+  for_landings(1.25, 100, [&](const BoxPair& x) { pairs.push_back({x.a, x.b, x.X_AB, {{0.01, 0.03, 0.02}, {0.1, 0, -0.2}}}); });
+  for (const BoxPair& x : sample_pairs(100, all_pose_domains(), GapRange{0.05, 0.05}, 5)) pairs.push_back({x.a, x.b, x.X_AB, {}});
+  std::vector<ContactForce> forces(pairs.size());
+  ContactCounters counters;
+  double sum = 0;
+  const std::size_t before = heap_requests();
+  for (const LearnedPair& x : pairs) sum += module->force(x.a, x.b, x.X_AB, x.V_AB, counters).normal_force;
+  module->forces(pairs.data(), pairs.size(), forces.data(), counters);
+  EXPECT_EQ(heap_requests(), before);
+  EXPECT_GT(sum, 0);
+  EXPECT_GT(counters.network_evaluations, 500u);
+  EXPECT_GT(counters.fallbacks, 100u);
 }
 
 TEST(LearnedPotential, AnotherInterfaceIsRefused) {
