@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "harness/simbody/simbody_unit.h"
-
 namespace quayside::harness {
 
 crane_models::Body free_box(const std::string& name, double mass, const Eigen::Vector3d& size,
@@ -67,10 +65,11 @@ double hang_container(crane_models::Scene& scene, const Hoist& hoist) {
 
 Simulation::Simulation(const crane_models::Scene& scene, const contact_nn::ContactSettings& contact,
                        double relative_tolerance, Time start)
-    : time_(start) {
-  SolverSettings solver;
-  solver.relative_tolerance = relative_tolerance;
-  engine_ = make_simbody_engine(scene, contact, solver);
+    : Simulation("simbody", scene, contact, SolverSettings{relative_tolerance}, start) {}
+
+Simulation::Simulation(const std::string& engine, const crane_models::Scene& scene,
+                       const contact_nn::ContactSettings& contact, const SolverSettings& solver, Time start)
+    : engine_(make_engine(engine, scene, contact, solver)), time_(start) {
   engine_->enter_initialization_mode(start);
   engine_->exit_initialization_mode();
   engine_->update_discrete_states();

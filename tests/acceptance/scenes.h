@@ -49,6 +49,9 @@ class Simulation {
  public:
   Simulation(const crane_models::Scene& scene, const contact_nn::ContactSettings& contact, double relative_tolerance,
              Time start = 0);
+  // `engine`: as for make_engine.
+  Simulation(const std::string& engine, const crane_models::Scene& scene, const contact_nn::ContactSettings& contact,
+             const SolverSettings& solver, Time start = 0);
 
   double get(const std::string& name) const { return engine_->get(reference(name)); }
   void set(const std::string& name, double value) { engine_->set(reference(name), value); }
