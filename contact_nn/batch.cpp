@@ -7,48 +7,24 @@
 #include <cstring>
 #include <limits>
 
+#include "contact_nn/lanes.h"
+
 namespace quayside::contact_nn {
 namespace {
 
-constexpr std::size_t kPairs = 8;
-typedef double Lanes __attribute__((vector_size(8 * kPairs)));
-typedef std::int64_t Flags __attribute__((vector_size(8 * kPairs)));
-
-Lanes abs(const Lanes& x) {
-  const Flags all_but_sign = Flags{} + INT64_MAX;
-  return reinterpret_cast<Lanes>(reinterpret_cast<Flags>(x) & all_but_sign);
-}
-Lanes signed_square(const Lanes& x) { return x * abs(x); }
-
-// Transposes an 8 × 8 matrix: neighbours are exchanged, then pairs of them, then halves.
-void transpose(Lanes (&m)[8]) {
-  Lanes t[8];
-  for (int i = 0; i < 8; i += 2) {
-    t[i] = __builtin_shufflevector(m[i], m[i + 1], 0, 8, 2, 10, 4, 12, 6, 14);
-    t[i + 1] = __builtin_shufflevector(m[i], m[i + 1], 1, 9, 3, 11, 5, 13, 7, 15);
-  }
-  for (int i = 0; i < 8; ++i) {
-    if (i & 2) continue;
-    m[i] = __builtin_shufflevector(t[i], t[i + 2], 0, 1, 8, 9, 4, 5, 12, 13);
-    m[i + 2] = __builtin_shufflevector(t[i], t[i + 2], 2, 3, 10, 11, 6, 7, 14, 15);
-  }
-  for (int i = 0; i < 4; ++i) {
-    t[i] = __builtin_shufflevector(m[i], m[i + 4], 0, 1, 2, 3, 8, 9, 10, 11);
-    t[i + 4] = __builtin_shufflevector(m[i], m[i + 4], 4, 5, 6, 7, 12, 13, 14, 15);
-  }
-  std::copy_n(t, 8, m);
-}
+constexpr std::size_t kPairs = kEight;
+Eight signed_square(const Eight& x) { return x * abs(x); }
 
 // Eight pairs, a number of each pair to a lane.
 struct Packed {
   explicit Packed(const BoxPair* pairs) {
-    Lanes halves[kPairs], left[kPairs], right[kPairs];  // a, b and nothing; columns 0 and 1 of X_AB; columns 2 and 3
+    Eight halves[kPairs], left[kPairs], right[kPairs];  // a, b and nothing; columns 0 and 1 of X_AB; columns 2 and 3
     for (std::size_t lane = 0; lane < kPairs; ++lane) {
       const auto& [a, b, X_AB] = pairs[lane];
-      halves[lane] = Lanes{a.half.x(), a.half.y(), a.half.z(), b.half.x(), b.half.y(), b.half.z(), 0, 0};
+      halves[lane] = Eight{a.half.x(), a.half.y(), a.half.z(), b.half.x(), b.half.y(), b.half.z(), 0, 0};
       const double* X = X_AB.matrix().data();
-      std::memcpy(&left[lane], X, sizeof(Lanes));
-      std::memcpy(&right[lane], X + 8, sizeof(Lanes));
+      std::memcpy(&left[lane], X, sizeof(Eight));
+      std::memcpy(&right[lane], X + 8, sizeof(Eight));
     }
     transpose(halves);
     transpose(left);
@@ -62,7 +38,7 @@ struct Packed {
       p[i] = right[4 + i];
     }
   }
-  Lanes a[3], b[3], p[3], R[3][3];
+  Eight a[3], b[3], p[3], R[3][3];
 };
 
 // The test of separating_axes.cpp, step by step: faces first …
@@ -73,49 +49,44 @@ struct FaceTest {
     for (int i = 0; i < 3; ++i)
       keep_better(i, abs(x.p[i]) - x.a[i] - (R_abs[i][0] * x.b[0] + R_abs[i][1] * x.b[1] + R_abs[i][2] * x.b[2]));
     for (int j = 0; j < 3; ++j) {
-      const Lanes q = x.R[0][j] * x.p[0] + x.R[1][j] * x.p[1] + x.R[2][j] * x.p[2];
+      const Eight q = x.R[0][j] * x.p[0] + x.R[1][j] * x.p[1] + x.R[2][j] * x.p[2];
       keep_better(3 + j, abs(q) - x.b[j] - (R_abs[0][j] * x.a[0] + R_abs[1][j] * x.a[1] + R_abs[2][j] * x.a[2]));
     }
   }
-  void keep_better(int number, const Lanes& separation) {
+  void keep_better(int number, const Eight& separation) {
     const auto better = separation > gap;
     gap = better ? separation : gap;
-    axis = better ? Flags{} + number : axis;
+    axis = better ? EightFlags{} + number : axis;
   }
-  Lanes R_abs[3][3];
-  Lanes gap = Lanes{} - std::numeric_limits<double>::infinity();
-  Flags axis{};
+  Eight R_abs[3][3];
+  Eight gap = Eight{} - std::numeric_limits<double>::infinity();
+  EightFlags axis{};
 };
 
 // … then every edge pair that wins by more than rounding.
 void separations_of_eight(const Packed& x, const FaceTest& faces, GapAndAxis* answers) {
   const auto& R_abs = faces.R_abs;
-  const Lanes size = x.a[0] + x.a[1] + x.a[2] + x.b[0] + x.b[1] + x.b[2] + abs(x.p[0]) + abs(x.p[1]) + abs(x.p[2]);
-  const Lanes rounding = kAxisRounding * std::numeric_limits<double>::epsilon() * size;
-  Lanes numerator = faces.gap, squared = Lanes{} + 1;
-  Flags axis = faces.axis;
+  const Eight size = x.a[0] + x.a[1] + x.a[2] + x.b[0] + x.b[1] + x.b[2] + abs(x.p[0]) + abs(x.p[1]) + abs(x.p[2]);
+  const Eight rounding = kAxisRounding * std::numeric_limits<double>::epsilon() * size;
+  Eight numerator = faces.gap, squared = Eight{} + 1;
+  EightFlags axis = faces.axis;
   for (int i = 0; i < 3; ++i) {
     const int k = (i + 1) % 3, l = (i + 2) % 3;
     for (int j = 0; j < 3; ++j) {
       const int m = (j + 1) % 3, n = (j + 2) % 3;
-      const Lanes edge = abs(x.p[l] * x.R[k][j] - x.p[k] * x.R[l][j]) - (x.a[k] * R_abs[l][j] + x.a[l] * R_abs[k][j]) -
+      const Eight edge = abs(x.p[l] * x.R[k][j] - x.p[k] * x.R[l][j]) - (x.a[k] * R_abs[l][j] + x.a[l] * R_abs[k][j]) -
                          (x.b[m] * R_abs[i][n] + x.b[n] * R_abs[i][m]);
-      const Lanes sine2 = x.R[k][j] * x.R[k][j] + x.R[l][j] * x.R[l][j];
+      const Eight sine2 = x.R[k][j] * x.R[k][j] + x.R[l][j] * x.R[l][j];
       const auto better = (signed_square(edge - rounding) * squared > signed_square(numerator) * sine2) &
-                          (sine2 >= Lanes{} + kParallelSine * kParallelSine);
+                          (sine2 >= Eight{} + kParallelSine * kParallelSine);
       numerator = better ? edge : numerator;
       squared = better ? sine2 : squared;
-      axis = better ? Flags{} + (6 + 3 * i + j) : axis;
+      axis = better ? EightFlags{} + (6 + 3 * i + j) : axis;
     }
   }
-  alignas(Lanes) double gap[kPairs];
-  alignas(Lanes) std::int64_t number[kPairs];
-  std::memcpy(gap, &squared, sizeof gap);
-  for (double& value : gap) value = std::sqrt(value);
-  Lanes sine;
-  std::memcpy(&sine, gap, sizeof gap);
-  numerator /= sine;
-  std::memcpy(gap, &numerator, sizeof gap);
+  alignas(Eight) double gap[kPairs];
+  alignas(Eight) std::int64_t number[kPairs];
+  store_eight(numerator / square_root(squared), gap);
   std::memcpy(number, &axis, sizeof number);
   for (std::size_t lane = 0; lane < kPairs; ++lane) answers[lane] = {gap[lane], static_cast<int>(number[lane])};
 }
@@ -149,7 +120,7 @@ std::size_t find_touching(const BoxPair* pairs, std::size_t count, double margin
   const auto look = [&](const BoxPair* eight, std::size_t first, std::size_t real) {
     const Packed x(eight);
     const FaceTest faces(x);
-    alignas(Lanes) double gap[kPairs];
+    alignas(Eight) double gap[kPairs];
     std::memcpy(gap, &faces.gap, sizeof gap);
     std::array<GapAndAxis, kPairs> answers;
     bool any = false;

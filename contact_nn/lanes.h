@@ -1,7 +1,10 @@
-// Four doubles that are worked on at once, for code whose natural width is that of a vector in space: three lanes are
-// used, the fourth holds anything. The compiler splits or widens them for the machine it builds for.
+// Doubles that are worked on at once. Four, where the natural width is that of a vector in space: three lanes are used, the
+// fourth holds anything. Eight, where many things of a kind are side by side, one to a lane. The compiler splits or widens
+// them for the machine it builds for.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <cstring>
 
@@ -26,6 +29,9 @@ inline Four abs(const Four& v) {
   return reinterpret_cast<Four>(reinterpret_cast<Bits>(v) & (Bits{} + all_but_sign));
 }
 
+inline Four larger(const Four& a, const Four& b) { return a > b ? a : b; }
+inline Four smaller(const Four& a, const Four& b) { return a < b ? a : b; }
+
 // (y, z, x) and (z, x, y)
 inline Four rotated(const Four& v) { return __builtin_shufflevector(v, v, 1, 2, 0, 3); }
 inline Four rotated_twice(const Four& v) { return __builtin_shufflevector(v, v, 2, 0, 1, 3); }
@@ -42,5 +48,73 @@ struct Rows {
   }
   Four row[3];
 };
+
+typedef double Eight __attribute__((vector_size(64)));
+typedef std::int64_t EightFlags __attribute__((vector_size(64)));  // what a comparison gives: all bits set, or none
+
+inline constexpr int kEight = 8;
+
+inline Eight eight(double x) { return Eight{} + x; }
+inline Eight load_eight(const double* x) {
+  Eight v;
+  std::memcpy(&v, x, sizeof v);
+  return v;
+}
+inline void store_eight(const Eight& v, double* x) { std::memcpy(x, &v, sizeof v); }
+
+inline Eight abs(const Eight& v) {
+  return reinterpret_cast<Eight>(reinterpret_cast<EightFlags>(v) & (EightFlags{} + INT64_MAX));
+}
+inline Eight larger(const Eight& a, const Eight& b) { return a > b ? a : b; }
+inline Eight smaller(const Eight& a, const Eight& b) { return a < b ? a : b; }
+inline Eight square_root(const Eight& v) {
+  alignas(Eight) double x[kEight];
+  store_eight(v, x);
+  for (double& value : x) value = std::sqrt(value);
+  return load_eight(x);
+}
+
+inline bool any(const EightFlags& x) {
+  std::int64_t found = 0;
+  for (int i = 0; i < kEight; ++i) found |= x[i];
+  return found != 0;
+}
+inline double sum(const Eight& x) { return ((x[0] + x[1]) + (x[2] + x[3])) + ((x[4] + x[5]) + (x[6] + x[7])); }
+
+// Transposes an 8 × 8 matrix: neighbours are exchanged, then pairs of them, then halves.
+inline void transpose(Eight (&m)[kEight]) {
+  Eight t[kEight];
+  for (int i = 0; i < 8; i += 2) {
+    t[i] = __builtin_shufflevector(m[i], m[i + 1], 0, 8, 2, 10, 4, 12, 6, 14);
+    t[i + 1] = __builtin_shufflevector(m[i], m[i + 1], 1, 9, 3, 11, 5, 13, 7, 15);
+  }
+  for (int i = 0; i < 8; ++i) {
+    if (i & 2) continue;
+    m[i] = __builtin_shufflevector(t[i], t[i + 2], 0, 1, 8, 9, 4, 5, 12, 13);
+    m[i + 2] = __builtin_shufflevector(t[i], t[i + 2], 2, 3, 10, 11, 6, 7, 14, 15);
+  }
+  for (int i = 0; i < 4; ++i) {
+    t[i] = __builtin_shufflevector(m[i], m[i + 4], 0, 1, 2, 3, 8, 9, 10, 11);
+    t[i + 4] = __builtin_shufflevector(m[i], m[i + 4], 4, 5, 6, 7, 12, 13, 14, 15);
+  }
+  std::copy_n(t, 8, m);
+}
+
+// Lane k of the answer is what the lanes of the k-th come to under an associative operation.
+template <class Operation>
+Eight lanes_of_each(const Eight (&m)[kEight], Operation op) {
+  Eight t[4];
+  for (int i = 0; i < 4; ++i)
+    t[i] = op(__builtin_shufflevector(m[2 * i], m[2 * i + 1], 0, 8, 2, 10, 4, 12, 6, 14),
+              __builtin_shufflevector(m[2 * i], m[2 * i + 1], 1, 9, 3, 11, 5, 13, 7, 15));
+  for (int i = 0; i < 2; ++i)
+    t[i] = op(__builtin_shufflevector(t[2 * i], t[2 * i + 1], 0, 1, 8, 9, 4, 5, 12, 13),
+              __builtin_shufflevector(t[2 * i], t[2 * i + 1], 2, 3, 10, 11, 6, 7, 14, 15));
+  return op(__builtin_shufflevector(t[0], t[1], 0, 1, 2, 3, 8, 9, 10, 11),
+            __builtin_shufflevector(t[0], t[1], 4, 5, 6, 7, 12, 13, 14, 15));
+}
+inline Eight sums(const Eight (&m)[kEight]) {
+  return lanes_of_each(m, [](const Eight& a, const Eight& b) { return a + b; });
+}
 
 }  // namespace quayside::contact_nn

@@ -9,6 +9,7 @@
 #include <bitset>
 
 #include "contact_nn/contact.h"
+#include "contact_nn/lanes.h"
 
 namespace quayside::contact_nn {
 
@@ -26,43 +27,37 @@ inline PieceMask all_pieces() { return PieceMask().set(); }
 // not empty is among them. Much cheaper than the cutting that would tell exactly.
 PieceMask possible_pieces(const Box& a, const Box& b, const Pose& X_AB);
 
-// c + u · (first coordinate) + v · (second)
-struct Affine {
-  double c, u, v;
-  double at(double x, double y) const { return c + u * x + v * y; }
-};
-
 // Every edge of a piece lies on another line: 4 sides of the face, 6 planes, 5 neighbours, and one cut more.
 inline constexpr int kMaxVertices = 16;
 
-// A convex polygon in the coordinates of a face of box X: with the face on axis k, u is along axis k+1 and v along
-// axis k+2 (cyclic), from the face's centre [m].
-struct Polygon {
-  struct Vertex {
-    double u, v;
-  };
-  alignas(16) std::array<Vertex, kMaxVertices> vertex;
-  int count;
-};
-
-// The part of a polygon where f ≥ 0. True: it was cut, or vanished (count 0), and is in `out`; false: f is nowhere
-// negative and `out` was not touched.
-bool clip(const Polygon& in, const Affine& f, Polygon& out);
-
-struct Piece {
+struct PieceName {
   Surface surface;
   int face, cell;
-  Affine depth;  // φ_Y = g_i over the face's coordinates [m]
-  Polygon polygon;
+};
+
+// Pieces side by side, one to a lane. A piece with fewer vertices than the others repeats its last one; a lane without a
+// piece has no area and no depth.
+struct EightPieces {
+  std::array<int, kEight> count;               // of vertices …
+  int vertices;                                // … and the most of any lane
+  alignas(64) double u[kMaxVertices][kEight];  // the face's coordinates [m]
+  alignas(64) double v[kMaxVertices][kEight];
+  alignas(64) std::array<std::array<double, kEight>, 3> depth;  // c, u, v of φ_Y = g_i over them [m]
 };
 
 struct Pieces {
   int count = 0;
   double deepest = 0;  // no point is deeper, and the deepest one not by much less [m]
-  std::array<Piece, kPieceCount> piece;
+  std::array<PieceName, kPieceCount> name;
+  std::array<EightPieces, kPieceCount / kEight> eight;  // piece i is in lane i % 8 of the i / 8-th
+
+  int eights() const { return (count + kEight - 1) / kEight; }
 };
 
-// Cuts the named pieces; those that turn out empty are left out.
+// The parts of pieces where c + u · (first coordinate) + v · (second) ≥ 0; a lane to each piece.
+void clip_pieces(const EightPieces& in, const Eight& c, const Eight& u, const Eight& v, EightPieces& out);
+
+// Cuts the named pieces; those that turn out empty are left out. `pieces` is empty before.
 void cut_pieces(const Box& a, const Box& b, const Pose& X_AB, const PieceMask& named, Pieces& pieces);
 
 }  // namespace quayside::contact_nn

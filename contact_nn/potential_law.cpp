@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "contact_nn/lanes.h"
 #include "contact_nn/separating_axes.h"
 #include "contact_nn/triangle_moments.h"
 
 namespace quayside::contact_nn {
 namespace {
 
-using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 // x^(2/p) by square roots.
@@ -19,117 +19,138 @@ double small_root(double x) {
   return x;
 }
 
-// Adds a convex polygon as a fan of triangles around its first vertex. `unit` [m] is what depths are measured in.
-void add_fan(const Polygon& polygon, const Affine& depth, double unit, TriangleMoments& triangles, Moments& target) {
-  const auto [u0, v0] = polygon.vertex[0];
+// Moments of eight pieces, each cut into a fan of triangles around its first vertex. `unit` [m] is what depths are measured
+// in.
+Moments moments_of(const EightPieces& pieces, double unit) {
   const double scale = 1 / unit;
-  const auto scaled_depth = [&](const Polygon::Vertex& x) { return std::max(0.0, scale * depth.at(x.u, x.v)); };
-  const double f0 = scaled_depth(polygon.vertex[0]);
-  double u = polygon.vertex[1].u - u0, v = polygon.vertex[1].v - v0, f = scaled_depth(polygon.vertex[1]);
-  for (int k = 2; k < polygon.count; ++k) {
-    const Polygon::Vertex& x = polygon.vertex[k];
-    const double next_u = x.u - u0, next_v = x.v - v0, next_f = scaled_depth(x);
-    triangles.add(target, f0, u, v, f, next_u, next_v, next_f);
-    u = next_u;
-    v = next_v;
-    f = next_f;
+  const Eight u0 = load_eight(pieces.u[0]), v0 = load_eight(pieces.v[0]), c = scale * load_eight(pieces.depth[0].data()),
+              slope_u = scale * load_eight(pieces.depth[1].data()), slope_v = scale * load_eight(pieces.depth[2].data());
+  const auto scaled_depth = [&](const Eight& u, const Eight& v) {
+    return larger(Eight{}, c + slope_u * u + slope_v * v);
+  };
+  Moments moments{};
+  Triangles triangles;
+  triangles.f0 = scaled_depth(u0, v0);
+  for (int k = 1; k < pieces.vertices; ++k) {
+    const Eight u = load_eight(pieces.u[k]), v = load_eight(pieces.v[k]);
+    triangles.u2 = u - u0;
+    triangles.v2 = v - v0;
+    triangles.f2 = scaled_depth(u, v);
+    if (k > 1) add_triangles(triangles, moments);
+    triangles.u1 = triangles.u2;
+    triangles.v1 = triangles.v2;
+    triangles.f1 = triangles.f2;
   }
+  return moments;
 }
 
-// Moments of all pieces, depths in units of the deepest so that φ^p neither overflows nor vanishes.
-void take_moments(const Pieces& pieces, std::array<Moments, kPieceCount>& moments) {
-  TriangleMoments triangles;
-  for (int k = 0; k < pieces.count; ++k) {
-    moments[k] = Moments::zero();
-    add_fan(pieces.piece[k].polygon, pieces.piece[k].depth, pieces.deepest, triangles, moments[k]);
+using AllMoments = std::array<Moments, kPieceCount / kEight>;
+
+// ∫φ^p over all pieces, in units of the deepest so that φ^p neither overflows nor vanishes.
+double take_moments(const Pieces& pieces, AllMoments& moments) {
+  Eight potential{};
+  for (int i = 0; i < pieces.eights(); ++i) {
+    moments[i] = moments_of(pieces.eight[i], pieces.deepest);
+    potential += moments[i].potential;
   }
-  triangles.flush();
+  return sum(potential);
 }
+
+// Eight vectors, or one for eight.
+struct Vectors {
+  Eight x, y, z;
+  Vectors() : x{}, y{}, z{} {}
+  Vectors(const Eight& x, const Eight& y, const Eight& z) : x(x), y(y), z(z) {}
+  explicit Vectors(const Vector3d& v) : x(eight(v[0])), y(eight(v[1])), z(eight(v[2])) {}
+  void operator+=(const Vectors& v) { x += v.x, y += v.y, z += v.z; }
+};
+Vectors operator+(const Vectors& a, const Vectors& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+Vectors operator*(const Eight& s, const Vectors& v) { return {s * v.x, s * v.y, s * v.z}; }
+Eight dot(const Vectors& a, const Vectors& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+Vectors cross(const Vectors& a, const Vectors& b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
+// Eight pieces as they lie in A. Points are from A's centre.
+struct Placed {
+  Vectors first;             // each piece's first vertex
+  Vectors along_u, along_v;  // its face's coordinate axes
+  Vectors push;              // where its pressure pushes B
+};
+
+// The boxes' axes and centres in A, to place pieces by.
+struct Places {
+  Places(const Box& a, const Box& b, const Pose& X_AB) : half{&a.half, &b.half} {
+    axes[0][0] = four(1, 0, 0), axes[0][1] = four(0, 1, 0), axes[0][2] = four(0, 0, 1);
+    for (int k = 0; k < 3; ++k) axes[1][k] = load_four(X_AB.matrix().col(k).data());
+    centre[0] = Four{}, centre[1] = load_four(X_AB.matrix().col(3).data());
+  }
+
+  Placed place(const Pieces& pieces, int i) const {
+    alignas(64) double row[2][kEight][8];  // a piece to a row: first and push; along_u and along_v
+    const EightPieces& eight = pieces.eight[i];
+    for (int lane = 0; lane < kEight; ++lane) {
+      const PieceName& piece = pieces.name[std::min(kEight * i + lane, pieces.count - 1)];
+      const int x = static_cast<int>(piece.surface), k = piece.face / 2, m = piece.cell / 2;
+      const Four &u = axes[x][(k + 1) % 3], &v = axes[x][(k + 2) % 3], &n = axes[1 - x][m];
+      const double height = piece.face % 2 ? -(*half[x])[k] : (*half[x])[k];
+      // A's surface is pushed out of B through the cell's face, so B goes the other way.
+      const bool outward = (piece.surface == Surface::of_a) == (piece.cell % 2 == 1);
+      store_four(centre[x] + height * axes[x][k] + eight.u[0][lane] * u + eight.v[0][lane] * v, row[0][lane]);
+      store_four(outward ? n : -n, row[0][lane] + 4);
+      store_four(u, row[1][lane]);
+      store_four(v, row[1][lane] + 4);
+    }
+    Eight first[kEight], second[kEight];
+    for (int lane = 0; lane < kEight; ++lane) {
+      first[lane] = load_eight(row[0][lane]);
+      second[lane] = load_eight(row[1][lane]);
+    }
+    transpose(first);
+    transpose(second);
+    return {{first[0], first[1], first[2]}, {second[0], second[1], second[2]}, {second[4], second[5], second[6]},
+            {first[4], first[5], first[6]}};
+  }
+
+  const Vector3d* half[2];
+  Four axes[2][3], centre[2];
+};
+
+// An affine function of the coordinates from a piece's first vertex.
+struct AffineFromFirst {
+  Eight c, u, v;
+};
 
 // ∫ w (1 + c s) over a piece and its first moments.
 struct Pressure {
-  double one, u, v;
+  Eight one, u, v;
 };
 
-Pressure pressure(const Moments& w, double c, const Affine& s) {
+Pressure pressure(const Moments& w, double c, const AffineFromFirst& s) {
   return {w.one + c * (s.c * w.one + s.u * w.u + s.v * w.v), w.u + c * (s.c * w.u + s.u * w.uu + s.v * w.uv),
           w.v + c * (s.c * w.v + s.u * w.uv + s.v * w.vv)};
 }
 
-// The same for the factor (1 + c s)₊: nothing ever pulls, not even one end of a rocking face. Where the factor turns
-// negative the polygon is cut along its zero line, so the force stays exact and continuous. s is the approach speed as
-// a function of the coordinates from the piece's first vertex. `width_u`, `width_v`: the piece is no wider than its
-// face.
-Pressure damped_pressure(const Piece& piece, double unit, const Moments& w, double c, const Affine& s, double width_u,
-                         double width_v) {
-  if (c * (s.c - std::abs(s.u) * width_u - std::abs(s.v) * width_v) > -1) return pressure(w, c, s);
-  const auto [u0, v0] = piece.polygon.vertex[0];
-  const Affine factor{1 + c * (s.c - s.u * u0 - s.v * v0), c * s.u, c * s.v};
-  bool pulls = false;
-  for (int k = 0; k < piece.polygon.count; ++k)
-    pulls |= factor.at(piece.polygon.vertex[k].u, piece.polygon.vertex[k].v) < 0;
-  if (!pulls) return pressure(w, c, s);
+// The pressure with the factor (1 + c s)₊: nothing ever pulls, not even one end of a rocking face. Where the factor turns
+// negative the polygon is cut along its zero line, so the force stays exact and continuous.
+Pressure damped_pressure(const EightPieces& pieces, double unit, const Moments& w, double c, const AffineFromFirst& s) {
+  Pressure result = pressure(w, c, s);
+  const Eight u0 = load_eight(pieces.u[0]), v0 = load_eight(pieces.v[0]);
+  Eight least = s.c;
+  for (int k = 1; k < pieces.vertices; ++k)
+    least = smaller(least, s.c + s.u * (load_eight(pieces.u[k]) - u0) + s.v * (load_eight(pieces.v[k]) - v0));
+  const EightFlags pulls = 1 + c * least < Eight{};
+  if (!any(pulls)) return result;
 
-  Polygon pressed;
-  clip(piece.polygon, factor, pressed);
-  if (pressed.count == 0) return {0, 0, 0};
-  Moments part = Moments::zero();
-  TriangleMoments triangles;
-  add_fan(pressed, piece.depth, unit, triangles, part);
-  triangles.flush();
-  const double du = pressed.vertex[0].u - u0, dv = pressed.vertex[0].v - v0;  // its first vertex from the piece's
-  Pressure result = pressure(part, c, {s.at(du, dv), s.u, s.v});
-  result.u += du * result.one;
-  result.v += dv * result.one;
+  EightPieces pressed;
+  clip_pieces(pieces, 1 + c * (s.c - s.u * u0 - s.v * v0), c * s.u, c * s.v, pressed);
+  const Eight du = load_eight(pressed.u[0]) - u0, dv = load_eight(pressed.v[0]) - v0;
+  const Pressure part = pressure(moments_of(pressed, unit), c, {s.c + s.u * du + s.v * dv, s.u, s.v});
+  result.one = pulls ? part.one : result.one;
+  result.u = pulls ? part.u + du * part.one : result.u;
+  result.v = pulls ? part.v + dv * part.one : result.v;
   return result;
 }
-
-// The vector with these components along the axes k, k + 1 and k + 2 (cyclic). By choice and not by index: a vector
-// that is written to memory by its components must wait there before it is read as a whole.
-Vector3d on_axes(int k, double along_k, double along_u, double along_v) {
-  return {k == 0 ? along_k : k == 1 ? along_v : along_u, k == 0 ? along_u : k == 1 ? along_k : along_v,
-          k == 0 ? along_v : k == 1 ? along_u : along_k};
-}
-
-// What the pieces on one box' surface add up to, in that box' frame X and about its centre. The pressure of a piece
-// acts along one of the other box' axes, so loads and their moments are gathered per axis.
-struct Side {
-  Side(Surface surface, const Box& a, const Box& b, const Pose& X_AB, const RelativeVelocity& V_AB)
-      : of_a(surface == Surface::of_a), half(of_a ? a.half : b.half) {
-    const auto& R = X_AB.linear();
-    if (of_a) {
-      axes = R;
-      w = V_AB.w_A;
-      v = V_AB.v_A - V_AB.w_A.cross(X_AB.translation());
-    } else {
-      axes = R.transpose();
-      w = R.transpose() * V_AB.w_A;
-      v = R.transpose() * V_AB.v_A;
-    }
-    for (int m = 0; m < 3; ++m) {
-      approach[m] = -axes.col(m).dot(v);
-      approach_gradient.col(m) = w.cross(axes.col(m));
-      spin[m] = axes.col(m).dot(w);
-    }
-  }
-
-  // The pressure pushes B along this sign times the cell's axis: A's surface is pushed out of B through the cell's
-  // face, so B goes the other way.
-  double push(const Piece& piece) const { return of_a == (piece.cell % 2 == 1) ? 1 : -1; }
-
-  bool of_a;
-  Vector3d half;
-  Matrix3d axes;                      // of the other box, as columns
-  Vector3d w, v;                      // motion of B relative to A, v of its point at this box' centre
-  Vector3d approach;                  // speed against each axis at this box' centre …
-  Matrix3d approach_gradient;         // … and its gradient, as columns
-  Vector3d spin;                      // about each axis
-  Vector3d load = Vector3d::Zero();   // pressure on B along each axis …
-  Matrix3d load_moment = Matrix3d::Zero();      // … and its first moment, as columns
-  Vector3d drag = Vector3d::Zero(), drag_torque = Vector3d::Zero();  // friction on B
-  double elastic = 0;                            // sum of the elastic pressures …
-  Vector3d elastic_moment = Vector3d::Zero();    // … and its first moment
-};
 
 }  // namespace
 
@@ -148,74 +169,62 @@ ContactForce potential_force(const Box& a, const Box& b, const Pose& X_AB, const
   cut_pieces(a, b, X_AB, named, pieces);
   ContactForce result;
   if (pieces.deepest <= 0) return result;
-  std::array<Moments, kPieceCount> moments;
-  take_moments(pieces, moments);
-
+  AllMoments moments;
   const double unit = pieces.deepest;
-  double integral = 0;  // I = integral · unit^p
-  for (int k = 0; k < pieces.count; ++k) integral += 0.5 * moments[k].potential;
+  const double integral = 0.5 * take_moments(pieces, moments);  // I = integral · unit^p
   if (integral <= 0) return result;
   const double stiffness = law.stiffness * small_root(integral / kReferenceArea);
   const double sigma = 0.5 * stiffness * unit / integral;  // for φ^(p−1) in units of unit^(p−1)
   result.touching = true;
   result.potential_energy = 0.5 * stiffness * unit * unit;
 
-  std::array<Side, 2> sides = {Side(Surface::of_a, a, b, X_AB, V_AB), Side(Surface::of_b, a, b, X_AB, V_AB)};
-  for (int i = 0; i < pieces.count; ++i) {
+  const Places places(a, b, X_AB);
+  const Vectors w_A(V_AB.w_A), v_A(V_AB.v_A - V_AB.w_A.cross(X_AB.translation()));  // B's motion: of its point at A's centre
+  Vectors force, torque, elastic_moment;  // a piece, or what one in eight of them add up to, to each lane
+  Eight elastic{}, normal{}, power{};
+  for (int i = 0; i < pieces.eights(); ++i) {
     const Moments& w = moments[i];
-    if (w.one <= 0) continue;  // a sliver within rounding
-    const Piece& piece = pieces.piece[i];
-    Side& side = sides[static_cast<int>(piece.surface)];
-    const int k = piece.face / 2, k_u = (k + 1) % 3, k_v = (k + 2) % 3, m = piece.cell / 2;
-    const double push = side.push(piece);
-    const double first_k = piece.face % 2 ? -side.half[k] : side.half[k];
-    const auto [first_u, first_v] = piece.polygon.vertex[0];
-    const Vector3d first = on_axes(k, first_k, first_u, first_v);  // where the piece's first vertex is
+    const Placed piece = places.place(pieces, i);
+    const EightFlags loaded = w.one > Eight{};  // not so: no piece, or a sliver within rounding
+    const Eight inverse = loaded ? 1 / w.one : Eight{};
+    const Eight mean_u = w.u * inverse, mean_v = w.v * inverse;
+    const Vectors centre = piece.first + mean_u * piece.along_u + mean_v * piece.along_v;
+    elastic += w.one;
+    elastic_moment += w.one * centre;
 
-    const double weight = sigma * w.one, inverse = 1 / w.one;
-    const double mean_u = w.u * inverse, mean_v = w.v * inverse;
-    const Vector3d centre = on_axes(k, first_k, first_u + mean_u, first_v + mean_v);
-    side.elastic += weight;
-    side.elastic_moment += weight * centre;
-
-    const auto gradient = side.approach_gradient.col(m);
-    const Affine approach{push * (side.approach[m] + gradient.dot(first)), push * gradient[k_u], push * gradient[k_v]};
+    const Vectors slope = cross(piece.push, w_A);
+    const AffineFromFirst approach{-dot(piece.push, v_A + cross(w_A, piece.first)), -dot(slope, piece.along_u),
+                                   -dot(slope, piece.along_v)};
     Pressure load{w.one, w.u, w.v};
     if (law.damping > 0) {
-      load = damped_pressure(piece, unit, w, law.damping, approach, 2 * side.half[k_u], 2 * side.half[k_v]);
-      const double power = approach.c * (load.one - w.one) + approach.u * (load.u - w.u) + approach.v * (load.v - w.v);
-      result.dissipated_power += std::max(0.0, sigma * power);  // below zero by rounding only
+      load = damped_pressure(pieces.eight[i], unit, w, law.damping, approach);
+      const Eight taken = approach.c * (load.one - w.one) + approach.u * (load.u - w.u) + approach.v * (load.v - w.v);
+      power += larger(Eight{}, taken);  // below zero by rounding only
     }
-    const double N = sigma * load.one;
-    result.normal_force += N;
-    side.load[m] += push * N;
-    side.load_moment.col(m) +=
-        push * on_axes(k, first_k * N, first_u * N + sigma * load.u, first_v * N + sigma * load.v);
+    normal += load.one;
+    force += load.one * piece.push;
+    const Vectors moment = load.one * piece.first + load.u * piece.along_u + load.v * piece.along_v;
+    torque += cross(moment, piece.push);
 
     if (law.friction > 0) {
-      const auto axis = side.axes.col(m);
-      const double r2 = std::max(0.0, (w.uu + w.vv) * inverse - mean_u * mean_u - mean_v * mean_v);
-      const Vector3d v_t = side.v + side.w.cross(centre) + push * approach.at(mean_u, mean_v) * axis;
-      const double spin = side.spin[m], squared = v_t.squaredNorm() + r2 * spin * spin;
-      const double factor = law.friction * N / std::sqrt(squared + law.transition_speed * law.transition_speed);
-      side.drag -= factor * v_t;
-      side.drag_torque -= factor * (centre.cross(v_t) + (r2 * spin) * axis);
-      result.dissipated_power += factor * squared;
+      const Eight r2 = larger(Eight{}, (w.uu + w.vv) * inverse - mean_u * mean_u - mean_v * mean_v);
+      const Vectors v = v_A + cross(w_A, centre), v_t = v + -dot(v, piece.push) * piece.push;
+      const Eight spin = dot(w_A, piece.push), squared = dot(v_t, v_t) + r2 * spin * spin;
+      const Eight factor = law.friction * load.one / square_root(squared + law.transition_speed * law.transition_speed);
+      force += -factor * v_t;
+      torque += -factor * (cross(centre, v_t) + r2 * spin * piece.push);
+      power += factor * squared;
     }
   }
 
-  std::array<Vector3d, 2> force, torque;
-  for (int s = 0; s < 2; ++s) {
-    force[s] = sides[s].axes * sides[s].load + sides[s].drag;
-    torque[s] = sides[s].drag_torque;
-    for (int m = 0; m < 3; ++m) torque[s] += sides[s].load_moment.col(m).cross(sides[s].axes.col(m));
-  }
-  const auto& R = X_AB.linear();
-  const Vector3d p_AB = X_AB.translation(), force_b = R * force[1];
-  result.f_A = force[0] + force_b;
-  result.t_A = torque[0] + R * torque[1] + p_AB.cross(force_b);
-  const Vector3d elastic_moment = sides[0].elastic_moment + R * sides[1].elastic_moment + sides[1].elastic * p_AB;
-  result.impact_point_A = elastic_moment / (sides[0].elastic + sides[1].elastic);
+  Eight wrench[kEight] = {force.x, force.y, force.z, torque.x, torque.y, torque.z, normal, power};
+  const Eight total = sigma * sums(wrench);
+  result.f_A = {total[0], total[1], total[2]};
+  result.t_A = {total[3], total[4], total[5]};
+  result.normal_force = total[6];
+  result.dissipated_power = total[7];
+  const Vector3d moment(sum(elastic_moment.x), sum(elastic_moment.y), sum(elastic_moment.z));
+  result.impact_point_A = moment / sum(elastic);
   return result;
 }
 
@@ -231,14 +240,15 @@ std::array<double, kPieceCount> piece_loads(const Box& a, const Box& b, const Po
   Pieces pieces;
   cut_pieces(a, b, X_AB, all_pieces(), pieces);
   if (pieces.deepest <= 0) return loads;
-  std::array<Moments, kPieceCount> moments;
+  AllMoments moments;
   take_moments(pieces, moments);
+  const auto load = [&](int k) { return std::max(0.0, moments[k / kEight].one[k % kEight]); };
   double sum = 0;
-  for (int k = 0; k < pieces.count; ++k) sum += std::max(0.0, moments[k].one);
+  for (int k = 0; k < pieces.count; ++k) sum += load(k);
   if (sum == 0) return loads;
   for (int k = 0; k < pieces.count; ++k) {
-    const Piece& piece = pieces.piece[k];
-    loads[piece_index(piece.surface, piece.face, piece.cell)] = std::max(0.0, moments[k].one) / sum;
+    const PieceName& piece = pieces.name[k];
+    loads[piece_index(piece.surface, piece.face, piece.cell)] = load(k) / sum;
   }
   return loads;
 }

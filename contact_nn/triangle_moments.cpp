@@ -2,43 +2,34 @@
 
 namespace quayside::contact_nn {
 
-void TriangleMoments::flush() {
-  if (filled_ == 0) return;
+void add_triangles(const Triangles& triangles, Moments& moments) {
   constexpr double m = kNorm - 1;
-  Lanes power = Lanes::Ones(), h01 = power, h = power, h1 = power, h2 = power, h11 = power, h12 = power, h22 = power;
+  const auto& [f0, u1, v1, f1, u2, v2, f2] = triangles;
+  Eight power = eight(1), h01 = power, h = power, h1 = power, h2 = power, h11 = power, h12 = power, h22 = power;
   for (int k = 0; k < kNorm - 1; ++k) {
-    power *= f0_;
-    h01 = power + f1_ * h01;
-    h = h01 + f2_ * h;
-    h1 = h + f1_ * h1;
-    h2 = h + f2_ * h2;
-    h11 = h1 + f1_ * h11;
-    h12 = h1 + f2_ * h12;
-    h22 = h2 + f2_ * h22;
+    power *= f0;
+    h01 = power + f1 * h01;
+    h = h01 + f2 * h;
+    h1 = h + f1 * h1;
+    h2 = h + f2 * h2;
+    h11 = h1 + f1 * h11;
+    h12 = h1 + f2 * h12;
+    h22 = h2 + f2 * h22;
   }
-  const Lanes h_next = power * f0_ + f1_ * h01 + f2_ * h;  // of order p
+  const Eight h_next = power * f0 + f1 * h01 + f2 * h;  // of order p
 
-  const Lanes twice_area = u1_ * v2_ - u2_ * v1_;
-  const Lanes one = twice_area * (1 / ((m + 1) * (m + 2)));
-  const Lanes first = one * (1 / (m + 3)), second = first * (1 / (m + 4));
-  const Lanes potential = one * h_next * ((m + 1) / (m + 3));
-  const Lanes w = one * h, w1 = first * h1, w2 = first * h2;
-  const Lanes w11 = 2 * second * h11, w12 = second * h12, w22 = 2 * second * h22;
-  const Lanes u = w1 * u1_ + w2 * u2_, v = w1 * v1_ + w2 * v2_;
-  const Lanes uu = w11 * u1_ * u1_ + 2 * w12 * u1_ * u2_ + w22 * u2_ * u2_;
-  const Lanes uv = w11 * u1_ * v1_ + w12 * (u1_ * v2_ + u2_ * v1_) + w22 * u2_ * v2_;
-  const Lanes vv = w11 * v1_ * v1_ + 2 * w12 * v1_ * v2_ + w22 * v2_ * v2_;
-  for (int k = 0; k < filled_; ++k) {
-    Moments& target = *target_[k];
-    target.potential += potential[k];
-    target.one += w[k];
-    target.u += u[k];
-    target.v += v[k];
-    target.uu += uu[k];
-    target.uv += uv[k];
-    target.vv += vv[k];
-  }
-  filled_ = 0;
+  const Eight one = (u1 * v2 - u2 * v1) * (1 / ((m + 1) * (m + 2)));
+  const Eight first = one * (1 / (m + 3)), second = first * (1 / (m + 4));
+  const Eight w1 = first * h1, w2 = first * h2;
+  const Eight w11 = 2 * second * h11, w12 = second * h12, w22 = 2 * second * h22;
+  moments.potential += one * h_next * ((m + 1) / (m + 3));
+  moments.one += one * h;
+  moments.u += w1 * u1 + w2 * u2;
+  moments.v += w1 * v1 + w2 * v2;
+  const Eight u_1 = w11 * u1 + w12 * u2, u_2 = w12 * u1 + w22 * u2;
+  moments.uu += u_1 * u1 + u_2 * u2;
+  moments.uv += u_1 * v1 + u_2 * v2;
+  moments.vv += (w11 * v1 + w12 * v2) * v1 + (w12 * v1 + w22 * v2) * v2;
 }
 
 }  // namespace quayside::contact_nn
