@@ -101,11 +101,19 @@ struct ScriptEntry {
 
 // A foreign FMU that runs along.
 struct UnitSpec {
+// How units are stepped together: see harness/masters/method.h.
+struct MasterSpec {
+  std::string method = "gauss_seidel";
+  double tolerance = 1e-6;  // relative, of connected values
+  double relaxation = 1;
+};
+
   std::string name;
   std::filesystem::path fmu;  // as written; relative to the case file's folder
   std::vector<std::pair<std::string, double>> parameters;  // booleans: 0 or 1
   std::filesystem::path file;  // where `fmu` is
 };
+  double timeout = 60;         // of every call [s]
 
 // From an output to an input. "UNIT.VARIABLE" for a unit's variable; else a signal of the scene, or command.<drive> and
 // command.<command>, which take that drive or command away from the script.
@@ -153,6 +161,7 @@ struct Case {
   std::vector<ConnectionSpec> connections;
   std::vector<ScriptEntry> script;
   std::vector<Expectation> expectations;
+  MasterSpec master;
 };
 
 // Overrides are "key.path=value" as on the command line, applied before checking. Throws CaseError.

@@ -16,9 +16,14 @@ struct Range {
 constexpr Range kDuration{1e-3, 3600, "s"};           // a handling cycle takes minutes
 constexpr Range kOutputInterval{1e-5, 10, "s"};       // down to a tenth of the shortest contact oscillation
 constexpr Range kTime{0, 3600, "s"};                  // of script and expectations; the duration bounds it further
+constexpr Range kTimeout{1e-3, 3600, "s"};            // of a call of an FMU
 constexpr double kMaxRows = 200'000;                  // every trajectory is kept in memory: about 200 MB at 100 signals
 constexpr Range kSolverStep{0, 1, "s"};               // 0: no bound, or chosen by the engine
 constexpr Range kRelativeTolerance{1e-12, 1e-2, ""};  // below, rounding in double precision; above, no digits are left
+
+// Masters
+constexpr Range kMasterTolerance{1e-12, 0.1, ""};  // below, rounding; above, no digit is left
+constexpr Range kRelaxation{0.01, 1, ""};          // less would need more rounds than there are
 
 // Places and sizes
 constexpr Range kPosition{-1000, 1000, "m"};  // a terminal; rounding stays below 1e-12 m, far from contact depths

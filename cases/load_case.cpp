@@ -47,7 +47,7 @@ SolverSpec read_solver(const Value& value) {
 
 UnitSpec read_unit(const Value& value) {
   UnitSpec unit;
-  const Mapping mapping = value.mapping({"name", "fmu", "parameters"});
+  const Mapping mapping = value.mapping({"name", "fmu", "parameters", "timeout"});
   unit.name = mapping["name"].name();
   unit.fmu = mapping["fmu"].text();
   if (const auto parameters = mapping.find("parameters")) {
@@ -56,6 +56,7 @@ UnitSpec read_unit(const Value& value) {
       const Value number = parameter["value"];
       unit.parameters.emplace_back(parameter["name"].text(),
                                    number.is_number() ? number.number(kSignal) : number.boolean() ? 1.0 : 0.0);
+  mapping.number("timeout", kTimeout, unit.timeout);
     }
   }
   return unit;
@@ -67,6 +68,31 @@ void read_units(const Mapping& root, Case& result) {
     for (const Value& value : units->list(kMaxUnits)) {
       UnitSpec unit = read_unit(value);
       const auto taken = [&](const auto& other) { return other.name == unit.name; };
+MasterSpec read_master(const Value& value) {
+  MasterSpec master;
+  const Mapping mapping = value.mapping({"method", "tolerance", "relaxation"});
+  master.method = mapping["method"].word({"jacobi", "gauss_seidel", "iterated", "error_controlled"});
+  mapping.number("tolerance", kMasterTolerance, master.tolerance);
+  mapping.number("relaxation", kRelaxation, master.relaxation);
+  return master;
+}
+
+// A drive or command has one master: the script's line would be without effect.
+void check_hand_over(const Value& line, const ScriptEntry& entry, const std::vector<ConnectionSpec>& connections) {
+  const auto check = [&](const auto& orders) {
+    for (const auto& order : orders) {
+      for (const ConnectionSpec& connection : connections) {
+        if (connection.to != "command." + order.first) continue;
+        line.child(order.first.c_str()).refuse(fmt::format(
+            "'{}' obeys the connection from '{}', expected no such key in the script, or no such connection", order.first,
+            connection.from));
+      }
+    }
+  };
+  check(entry.speeds);
+  check(entry.commands);
+}
+
       if (unit.name == "command" || unit.name == "drives" || std::any_of(result.units.begin(), result.units.end(), taken) ||
           std::any_of(result.containers.begin(), result.containers.end(), taken) ||
           std::any_of(result.bodies.begin(), result.bodies.end(), taken)) {
@@ -87,7 +113,8 @@ Case read_case(const Value& document) {
   Case result;
   const Mapping root =
       document.mapping({"title", "duration", "crane", "spreader", "containers", "bodies", "ground", "gravity",
-                        "contact", "solver", "allow_overlap", "output", "units", "connections", "script", "expect"});
+                        "contact", "solver", "allow_overlap", "output", "units", "connections", "master",
+                        "script", "expect"});
   result.title = root["title"].text();
   result.duration = root["duration"].number(kDuration);
   if (const auto crane = root.find("crane")) result.crane = read_crane(*crane);
@@ -122,11 +149,15 @@ Case read_case(const Value& document) {
   }
   read_units(root, result);
   if (const auto script = root.find("script")) {
-    for (const Value& value : script->list(kMaxEntries)) result.script.push_back(read_script_entry(value, context));
+    for (const Value& value : script->list(kMaxEntries)) {
+      result.script.push_back(read_script_entry(value, context));
+      check_hand_over(value, result.script.back(), result.connections);
+    }
   }
   if (const auto expect = root.find("expect")) {
     for (const Value& value : expect->list(kMaxEntries))
       result.expectations.push_back(read_expectation(value, context));
+  if (const auto master = root.find("master")) result.master = read_master(*master);
   }
   return result;
 }

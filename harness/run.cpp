@@ -18,6 +18,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
+MasterSettings master_settings(const cases::MasterSpec& spec) { return {spec.method, spec.tolerance, spec.relaxation}; }
+
 // What a connection to command.* leads to, or nothing.
 std::string commanded_by(const cases::ConnectionSpec& connection) {
   const std::string prefix = "command.";
@@ -62,7 +64,7 @@ crane_models::ReductionReport nothing_reduced(const crane_models::Scene& scene) 
 class Chain {
  public:
   Chain(const std::string& engine, std::unique_ptr<EngineUnit> plant, DriveUnit drives, const cases::Case& description)
-      : plant_(std::move(plant)), drives_(std::move(drives)) {
+      : plant_(std::move(plant)), drives_(std::move(drives)), master_(master_settings(description.master)) {
     run_.engine = engine;
     master_.add(*plant_);
     master_.add(drives_);
@@ -70,7 +72,7 @@ class Chain {
     record_outputs(*plant_, "");
     record_outputs(drives_, "");
     for (const cases::UnitSpec& spec : description.units) {
-      units_.push_back(std::make_unique<FmuUnit>(spec.name, spec.file, spec.parameters));
+      units_.push_back(std::make_unique<FmuUnit>(spec.name, spec.file, spec.parameters, spec.timeout));
       master_.add(*units_.back());
       record_outputs(*units_.back(), spec.name + ".");
     }

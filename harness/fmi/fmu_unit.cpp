@@ -6,13 +6,14 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "harness/fmi/fmu_process.h"
 #include "harness/names.h"
 #include "harness/state_bytes.h"
 
 namespace quayside::harness {
 
 FmuUnit::FmuUnit(const std::string& name, const std::filesystem::path& fmu,
-                 const std::vector<std::pair<std::string, double>>& parameters)
+                 const std::vector<std::pair<std::string, double>>& parameters, double patience)
     : name_(name) {
   try {
     if (!std::filesystem::exists(fmu)) throw std::invalid_argument("no such file, expected an FMU");
@@ -31,7 +32,7 @@ FmuUnit::FmuUnit(const std::string& name, const std::filesystem::path& fmu,
             fmt::format("it has no parameter \"{}\"; {}", wanted, nearest_names(wanted, known)));
       }
     }
-    fmu_ = load_foreign_fmu(folder_.path(), description_, name_);
+    fmu_ = start_fmu_process(folder_.path(), description_, name_, patience);
   } catch (const std::exception& error) {
     throw std::invalid_argument(fmt::format("unit {}: {}: {}", name, fmu.string(), error.what()));
   }

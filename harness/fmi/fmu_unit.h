@@ -16,13 +16,16 @@ namespace quayside::harness {
 // by its names, in SI units whatever the FMU's own are. Numbers whose unit the FMU does not tell have the unit "".
 //
 // The FMU deals with its events itself, at most at the next communication point. Errors of the FMU come as StepFailed
-// with this unit's name, the time, and the FMU's own words; so do outputs that are not finite.
+// with this unit's name, the time, and the FMU's own words; so do outputs that are not finite. The FMU runs in a process
+// of its own (fmu_process.h): if it crashes, calls exit or does not come back within `patience`, that is an error too.
 class FmuUnit final : public Unit {
  public:
+  static constexpr double kPatience = 60;  // for every call [s]
+
   // Parameters keep the FMU's start value unless given. Throws std::invalid_argument "unit NAME: FILE: ..." for what is
   // no FMU that can be run here.
   FmuUnit(const std::string& name, const std::filesystem::path& fmu,
-          const std::vector<std::pair<std::string, double>>& parameters = {});
+          const std::vector<std::pair<std::string, double>>& parameters = {}, double patience = kPatience);
 
   const std::string& name() const override { return name_; }
   const std::vector<Variable>& variables() const override { return variables_; }

@@ -157,6 +157,54 @@ TEST_F(Import, ErrorsCarryUnitAndTime) {
   EXPECT_NE(failure(4).find("not allowed"), std::string::npos);
 }
 
+// Whatever the FMU does to its process, the harness lives, says who, when, in which call and what, and goes on working.
+TEST_F(Import, CrashesAreErrorsWithUnitAndTime) {
+  constexpr double kPatience = 0.5;  // [s]; every other step takes microseconds
+  const auto failure = [&](double misbehave) {
+    FmuUnit unit("valve", fmu(), {{"misbehave", misbehave}}, kPatience);
+    initialize(unit);
+    for (int i = 0; i < 4; ++i) unit.do_step(i * kStep, kStep);
+    std::string words;
+    try {
+      unit.do_step(4 * kStep, kStep);
+      ADD_FAILURE() << misbehave << " was no failure";
+    } catch (const StepFailed& error) {
+      words = error.what();
+    }
+    EXPECT_NE(words.find("valve stopped at 0.4"), std::string::npos) << words;
+    const bool alive = misbehave == 9;  // what it throws arrives as an error
+    if (!alive) EXPECT_THROW(unit.get(find(unit, "gain")), StepFailed) << "nothing is left to be read";
+    return words;
+  };
+  EXPECT_NE(failure(5).find("it crashed in its step: Segmentation fault"), std::string::npos);
+  EXPECT_NE(failure(6).find("it crashed in its step: Aborted"), std::string::npos);
+  EXPECT_NE(failure(7).find("it ended its process in its step, with exit code 0"), std::string::npos);
+  EXPECT_NE(failure(8).find("it did not come back from its step within 0.5 s"), std::string::npos);
+  EXPECT_NE(failure(9).find("nobody catches this"), std::string::npos);
+  EXPECT_NE(failure(10).find("it crashed in its step: Segmentation fault"), std::string::npos);
+
+  { FmuUnit unit("valve", fmu(), {{"misbehave", 11}}); }  // crashes when it is freed: nobody waits for anything more
+  try {
+    FmuUnit("crash_at_load", fmu());
+    FAIL();
+  } catch (const std::exception& error) {
+    EXPECT_NE(std::string(error.what()).find("it crashed in being loaded: Segmentation fault"), std::string::npos) << error.what();
+  }
+}
+
+TEST_F(Import, InstancesAreIndependent) {
+  const fs::path file = fmu();
+  FmuUnit first("first", file), second("second", file);
+  for (FmuUnit* unit : {&first, &second}) initialize(*unit);
+  first.set(find(first, "u"), 1);
+  second.set(find(second, "u"), 2);
+  for (int i = 0; i < 3; ++i) {
+    for (FmuUnit* unit : {&first, &second}) unit->do_step(i * kStep, kStep);
+  }
+  EXPECT_NEAR(first.get(find(first, "y")), 0.3 * kDegree, 1e-15);
+  EXPECT_NEAR(second.get(find(second, "y")), 0.6 * kDegree, 1e-15);
+}
+
 // --- As part of a case
 // ------------------------------------------------------------------------------------------------
 
@@ -209,6 +257,43 @@ TEST_F(InACase, AnErrorEndsTheRunWithUnitAndTime) {
   EXPECT_NE(result.failure->find("valve stopped at 0.4"), std::string::npos) << *result.failure;
   EXPECT_NE(result.failure->find("the valve is stuck"), std::string::npos) << *result.failure;
   EXPECT_EQ(result.trajectory.times.size(), 5u) << "what was simulated before is there";
+}
+
+TEST_F(InACase, ACrashEndsTheRunWithUnitAndTime) {
+  const auto file = write_case(std::string(kFall) + "units: [{name: valve, fmu: " + fmu().filename().string() +
+                               ", parameters: [{name: misbehave, value: 5}]}]\n");
+  const EngineRun result = run(cases::load_case(file));
+  ASSERT_TRUE(result.failure);
+  EXPECT_NE(result.failure->find("valve stopped at 0.4"), std::string::npos) << *result.failure;
+  EXPECT_NE(result.failure->find("Segmentation fault"), std::string::npos) << *result.failure;
+  EXPECT_EQ(result.trajectory.times.size(), 5u) << "what was simulated before is there";
+}
+
+// Masters that go back save and restore the FMU too. It holds its input over a step, at the mean of both ends with an
+// iteration: then y is the integral of the speed of the fall to rounding, −½ g t² degrees.
+TEST_F(InACase, AnFmuIsSteppedByTheMasterOfTheCase) {
+  const auto text = [&](const std::string& method) {
+    return std::string(kFall) + "units: [{name: valve, fmu: " + fmu().filename().string() +
+           "}]\nconnections: [{from: box.velocity.z, to: valve.u}]\nmaster: {method: " + method + "}\n";
+  };
+  const EngineRun iterated = run(cases::load_case(write_case(text("iterated"))));
+  ASSERT_FALSE(iterated.failure) << *iterated.failure;
+  EXPECT_NEAR(value(iterated, "valve.y", 10), -0.5 * 9.81 * kDegree, 1e-6);
+  const EngineRun jacobi = run(cases::load_case(write_case(text("jacobi"))));
+  double expected = 0;
+  for (int i = 0; i < 10; ++i) expected += -9.81 * (i * 0.1) * 0.1 * kDegree;
+  EXPECT_NEAR(value(jacobi, "valve.y", 10), expected, 1e-6);
+}
+
+TEST_F(InACase, MastersThatGoBackRefuseAnFmuThatCannot) {
+  const fs::path file = fmu(replaced(replaced(kDescription, "canGetAndSetFMUState=\"true\"", ""),
+                                     "canSerializeFMUState=\"true\"", ""));
+  const EngineRun result = run(cases::load_case(write_case(
+      std::string(kFall) + "units: [{name: valve, fmu: " + file.filename().string() + "}]\nmaster: {method: iterated}\n")));
+  ASSERT_TRUE(result.failure);
+  EXPECT_NE(result.failure->find("valve"), std::string::npos) << *result.failure;
+  EXPECT_NE(result.failure->find("cannot serialize its state"), std::string::npos) << *result.failure;
+  EXPECT_NE(result.failure->find("gauss_seidel"), std::string::npos) << *result.failure;
 }
 
 TEST_F(InACase, WrongConnectionsAreRefused) {

@@ -1,9 +1,14 @@
 // A small FMU of FMI 3.0 for tests: y follows dy/dt = gain · u in degrees per second, and from 0.5 s on it can
 // misbehave: 1: an error with words, 2: an output that is not finite, 3: a wish to end, 4: an early return nobody
-// allowed.
+// allowed, 5: a write to address 0, 6: an abort, 7: an exit, 8: an endless loop, 9: an exception, 10: a stack without end.
+// 11 crashes when it is freed, an instance called "crash_at_load" when it is made.
+#include <chrono>
 #include <cmath>
+#include <cstdlib>
 #include <cstring>
 #include <limits>
+#include <stdexcept>
+#include <thread>
 
 #include "harness/fmi/fmi3.h"
 
@@ -19,11 +24,19 @@ struct Integrator {
   fmi3LogMessageCallback log;
 };
 
+volatile int* volatile nowhere = nullptr;
+
+double fall(double x) {
+  volatile double deep[1000];
+  deep[0] = x;
+  return x < 0 ? 0 : fall(deep[0] + 1) + deep[0];
+}
+
 Integrator& of(fmi3Instance instance) { return *static_cast<Integrator*>(instance); }
 
 }  // namespace
 
-fmi3Instance fmi3InstantiateCoSimulation(fmi3String, fmi3String token, fmi3String, fmi3Boolean, fmi3Boolean,
+fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String token, fmi3String, fmi3Boolean, fmi3Boolean,
                                          fmi3Boolean, fmi3Boolean, const fmi3ValueReference[], std::size_t,
                                          fmi3InstanceEnvironment environment, fmi3LogMessageCallback log,
                                          fmi3IntermediateUpdateCallback) {
@@ -31,12 +44,16 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String, fmi3String token, fmi3Strin
     log(environment, fmi3Error, "error", "what a token");
     return nullptr;
   }
+  if (std::strcmp(name, "crash_at_load") == 0) *nowhere = 1;
   auto* instance = new Integrator;
   instance->environment = environment;
   instance->log = log;
   return instance;
 }
-void fmi3FreeInstance(fmi3Instance instance) { delete &of(instance); }
+void fmi3FreeInstance(fmi3Instance instance) {
+  if (of(instance).misbehave == 11) *nowhere = 1;
+  delete &of(instance);
+}
 fmi3Status fmi3EnterInitializationMode(fmi3Instance, fmi3Boolean, fmi3Float64, fmi3Float64, fmi3Boolean, fmi3Float64) {
   return fmi3OK;
 }
@@ -67,6 +84,20 @@ fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 now, fmi3Float64 step, 
     case 4:
       *early = true;
       *reached = now + step / 2;
+      break;
+    case 5:
+      *nowhere = 1;
+      break;
+    case 6:
+      std::abort();
+    case 7:
+      std::exit(0);
+    case 8:
+      while (true) std::this_thread::sleep_for(std::chrono::seconds(1));
+    case 9:
+      throw std::runtime_error("nobody catches this");
+    case 10:
+      self.output += fall(now);
       break;
   }
   return fmi3OK;
