@@ -99,8 +99,6 @@ struct ScriptEntry {
   std::vector<std::pair<std::string, bool>> commands;   // "twistlocks": closed?
 };
 
-// A foreign FMU that runs along.
-struct UnitSpec {
 // How units are stepped together: see harness/masters/method.h.
 struct MasterSpec {
   std::string method = "gauss_seidel";
@@ -108,12 +106,14 @@ struct MasterSpec {
   double relaxation = 1;
 };
 
+// A foreign FMU that runs along.
+struct UnitSpec {
   std::string name;
   std::filesystem::path fmu;  // as written; relative to the case file's folder
   std::vector<std::pair<std::string, double>> parameters;  // booleans: 0 or 1
+  double timeout = 60;         // of every call [s]
   std::filesystem::path file;  // where `fmu` is
 };
-  double timeout = 60;         // of every call [s]
 
 // From an output to an input. "UNIT.VARIABLE" for a unit's variable; else a signal of the scene, or command.<drive> and
 // command.<command>, which take that drive or command away from the script.
@@ -159,9 +159,9 @@ struct Case {
   double output_interval = 0.01;  // [s]
   std::vector<UnitSpec> units;
   std::vector<ConnectionSpec> connections;
+  MasterSpec master;
   std::vector<ScriptEntry> script;
   std::vector<Expectation> expectations;
-  MasterSpec master;
 };
 
 // Overrides are "key.path=value" as on the command line, applied before checking. Throws CaseError.

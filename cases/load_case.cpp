@@ -50,24 +50,18 @@ UnitSpec read_unit(const Value& value) {
   const Mapping mapping = value.mapping({"name", "fmu", "parameters", "timeout"});
   unit.name = mapping["name"].name();
   unit.fmu = mapping["fmu"].text();
+  mapping.number("timeout", kTimeout, unit.timeout);
   if (const auto parameters = mapping.find("parameters")) {
     for (const Value& entry : parameters->list(kMaxEntries)) {
       const Mapping parameter = entry.mapping({"name", "value"});
       const Value number = parameter["value"];
       unit.parameters.emplace_back(parameter["name"].text(),
                                    number.is_number() ? number.number(kSignal) : number.boolean() ? 1.0 : 0.0);
-  mapping.number("timeout", kTimeout, unit.timeout);
     }
   }
   return unit;
 }
 
-// Whether what is named exists only shows when the scene is built and the FMUs are loaded.
-void read_units(const Mapping& root, Case& result) {
-  if (const auto units = root.find("units")) {
-    for (const Value& value : units->list(kMaxUnits)) {
-      UnitSpec unit = read_unit(value);
-      const auto taken = [&](const auto& other) { return other.name == unit.name; };
 MasterSpec read_master(const Value& value) {
   MasterSpec master;
   const Mapping mapping = value.mapping({"method", "tolerance", "relaxation"});
@@ -93,6 +87,12 @@ void check_hand_over(const Value& line, const ScriptEntry& entry, const std::vec
   check(entry.commands);
 }
 
+// Whether what is named exists only shows when the scene is built and the FMUs are loaded.
+void read_units(const Mapping& root, Case& result) {
+  if (const auto units = root.find("units")) {
+    for (const Value& value : units->list(kMaxUnits)) {
+      UnitSpec unit = read_unit(value);
+      const auto taken = [&](const auto& other) { return other.name == unit.name; };
       if (unit.name == "command" || unit.name == "drives" || std::any_of(result.units.begin(), result.units.end(), taken) ||
           std::any_of(result.containers.begin(), result.containers.end(), taken) ||
           std::any_of(result.bodies.begin(), result.bodies.end(), taken)) {
@@ -148,6 +148,7 @@ Case read_case(const Value& document) {
         result.duration / result.output_interval, result.output_interval, kMaxRows));
   }
   read_units(root, result);
+  if (const auto master = root.find("master")) result.master = read_master(*master);
   if (const auto script = root.find("script")) {
     for (const Value& value : script->list(kMaxEntries)) {
       result.script.push_back(read_script_entry(value, context));
@@ -157,7 +158,6 @@ Case read_case(const Value& document) {
   if (const auto expect = root.find("expect")) {
     for (const Value& value : expect->list(kMaxEntries))
       result.expectations.push_back(read_expectation(value, context));
-  if (const auto master = root.find("master")) result.master = read_master(*master);
   }
   return result;
 }
