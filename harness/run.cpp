@@ -161,6 +161,7 @@ class Chain {
     row_.clear();
     for (const auto& [unit, variable] : recorded_) row_.push_back(unit->get(variable));
     trajectory.times.push_back(seconds(master_.time()));
+    run_.steps_taken.push_back(plant_->statistics().steps);
     for (std::size_t i = 0; i < row_.size(); ++i) trajectory.columns[i].push_back(row_[i]);
   }
 

@@ -10,6 +10,7 @@
 #include "harness/commands/commands.h"
 #include "harness/commands/interrupt.h"
 #include "harness/output_directory.h"
+#include "harness/report/run_report.h"
 #include "harness/run_text.h"
 #include "harness/terminal.h"
 
@@ -48,6 +49,8 @@ void RunCommand::execute() const {
   std::vector<std::string> written;
   try {
     written = write_output(directory, evaluated, command_line);
+    report::write_run_report(directory, evaluated, command_line);
+    written.emplace_back(report::kReportFile);
   } catch (const std::runtime_error& error) {
     fmt::print(stderr, "quayside: the results could not be written: {}\n", error.what());
     throw CLI::RuntimeError(not_completed);
@@ -94,7 +97,8 @@ void add_run_command(CLI::App& app, const std::string& command_line) {
   command->add_flag("--quiet", run->quiet, "Print nothing but errors");
   command->add_flag("--json", run->json, "Print summary.json in place of the tables");
   command->footer(
-      "Writes to DIR: trajectory_<engine>.csv, events.csv (contacts with impulse and peak force, ropes, locks), summary.json.\n"
+      "Writes to DIR: trajectory_<engine>.csv, events.csv (contacts with impulse and peak force, ropes, locks), summary.json,\n"
+      "report.html (a player of the run with plots, events and expectations; opens in any browser, offline).\n"
       "Ctrl-C ends the run in good order: what was simulated up to then is written.\n\n"
       "Exit codes: 0 done, 1 an expectation failed, 2 the input was refused, 3 the simulation could not be completed,\n"
       "130 stopped by Ctrl-C.\n\n"
