@@ -18,11 +18,11 @@ Eight signed_square(const Eight& x) { return x * abs(x); }
 // Eight pairs, a number of each pair to a lane.
 struct Packed {
   explicit Packed(const BoxPair* pairs) {
-    Eight halves[kPairs], left[kPairs], right[kPairs];  // a, b and nothing; columns 0 and 1 of X_AB; columns 2 and 3
+    Eight halves[kPairs], left[kPairs], right[kPairs];  // a, b and anything; columns 0 and 1 of X_AB; columns 2 and 3
     for (std::size_t lane = 0; lane < kPairs; ++lane) {
-      const auto& [a, b, X_AB] = pairs[lane];
-      halves[lane] = Eight{a.half.x(), a.half.y(), a.half.z(), b.half.x(), b.half.y(), b.half.z(), 0, 0};
-      const double* X = X_AB.matrix().data();
+      static_assert(sizeof(Box) == 3 * sizeof(double) && sizeof(BoxPair) >= sizeof(Eight), "half extents come first");
+      std::memcpy(&halves[lane], static_cast<const void*>(&pairs[lane]), sizeof(Eight));
+      const double* X = pairs[lane].X_AB.matrix().data();
       std::memcpy(&left[lane], X, sizeof(Eight));
       std::memcpy(&right[lane], X + 8, sizeof(Eight));
     }
@@ -68,7 +68,7 @@ void separations_of_eight(const Packed& x, const FaceTest& faces, GapAndAxis* an
   const auto& R_abs = faces.R_abs;
   const Eight size = x.a[0] + x.a[1] + x.a[2] + x.b[0] + x.b[1] + x.b[2] + abs(x.p[0]) + abs(x.p[1]) + abs(x.p[2]);
   const Eight rounding = kAxisRounding * std::numeric_limits<double>::epsilon() * size;
-  Eight numerator = faces.gap, squared = Eight{} + 1;
+  Eight numerator = faces.gap, signed_numerator = signed_square(faces.gap), squared = Eight{} + 1;
   EightFlags axis = faces.axis;
   for (int i = 0; i < 3; ++i) {
     const int k = (i + 1) % 3, l = (i + 2) % 3;
@@ -77,9 +77,10 @@ void separations_of_eight(const Packed& x, const FaceTest& faces, GapAndAxis* an
       const Eight edge = abs(x.p[l] * x.R[k][j] - x.p[k] * x.R[l][j]) - (x.a[k] * R_abs[l][j] + x.a[l] * R_abs[k][j]) -
                          (x.b[m] * R_abs[i][n] + x.b[n] * R_abs[i][m]);
       const Eight sine2 = x.R[k][j] * x.R[k][j] + x.R[l][j] * x.R[l][j];
-      const auto better = (signed_square(edge - rounding) * squared > signed_square(numerator) * sine2) &
+      const auto better = (signed_square(edge - rounding) * squared > signed_numerator * sine2) &
                           (sine2 >= Eight{} + kParallelSine * kParallelSine);
       numerator = better ? edge : numerator;
+      signed_numerator = better ? signed_square(edge) : signed_numerator;
       squared = better ? sine2 : squared;
       axis = better ? EightFlags{} + (6 + 3 * i + j) : axis;
     }

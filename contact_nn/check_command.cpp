@@ -22,10 +22,10 @@ void print(const Evaluation& evaluation) {
     const double poses = static_cast<double>(std::max<std::uint64_t>(v.poses, 1));
     fmt::print("{:<24}{:>10}{:>7.1f} %{:>9}{:>8}{:>8}{:>9}{:>8}{:>9}{:>9}{:>7}{:>9.2f} %{:>11.1e}\n", v.name, v.poses,
                100.0 * static_cast<double>(v.touching) / poses, v.phantom, v.missed, v.deeper, v.gap_off, v.normal_off,
-               v.too_many, v.off_surface, v.force_off, 100.0 * static_cast<double>(v.fallbacks) / (2 * poses),
+               v.too_many, v.off_surface, v.force_off, 100.0 * static_cast<double>(v.fallbacks) / poses,
                v.worst_gap);
   }
-  fmt::print("(numbers of poses in which something was wrong; fallbacks of all calls; gap error: the largest, in units of "
+  fmt::print("(numbers of poses in which something was wrong; fallbacks of all forces; gap error: the largest, in units of "
              "the boxes' size;\n tolerance {:.0e} of it)\n\n", kEvaluationTolerance);
   fmt::print("{:<38}{:>10}{:>22}{:>12}{:>14}\n", "gate alone, first three axes", "poses", "depth off by > 1 mm",
              "allowed", "most, m");

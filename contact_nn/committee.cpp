@@ -30,14 +30,14 @@ class CommitteeModule final : public ContactModule {
   Manifold query(const Box& a, const Box& b, const Pose& X_AB, ContactCounters& counters,
                  double margin) const override {
     ++counters.queries;
-    return manifold(a, b, X_AB, counters, margin);
+    return contact_manifold(a, b, X_AB, margin);
   }
 
   ContactForce force(const Box& a, const Box& b, const Pose& X_AB, const RelativeVelocity& V_AB,
                      ContactCounters& counters) const override {
     ++counters.queries;
     if (surely_apart(a, b, X_AB)) return {};
-    if (law_ == Law::points) return points_force(manifold(a, b, X_AB, counters, 0), X_AB, V_AB, parameters_);
+    if (law_ == Law::points) return points_force(manifold(a, b, X_AB, counters), X_AB, V_AB, parameters_);
     const GateView view(a, b, X_AB);
     ++counters.network_evaluations;
     const PieceMask named = view.named(potential_gate_(view.inputs)), possible = possible_pieces(a, b, X_AB);
@@ -49,13 +49,13 @@ class CommitteeModule final : public ContactModule {
   }
 
  private:
-  Manifold manifold(const Box& a, const Box& b, const Pose& X_AB, ContactCounters& counters, double margin) const {
+  Manifold manifold(const Box& a, const Box& b, const Pose& X_AB, ContactCounters& counters) const {
     ++counters.network_evaluations;
     const std::array<int, 3> named = top_three(points_gate_(GateView(a, b, X_AB).inputs));
     const NamedSeparation found = largest_separation(a, b, X_AB, named);
-    if (found.certified) return contact_manifold(a, b, X_AB, margin, found.best);
+    if (found.certified) return contact_manifold(a, b, X_AB, 0, found.best);
     ++counters.fallbacks;
-    return contact_manifold(a, b, X_AB, margin);
+    return contact_manifold(a, b, X_AB, 0);
   }
 
   Law law_;

@@ -6,14 +6,17 @@
 // the exact law's and is counted in `fallbacks`. Pieces left out are empty in the exact law as well and the rest is
 // summed in the same order: both models agree to the last bit, whatever the weights of the gate.
 //
-// `points`: the gate ranks the 15 separating axes, and an answer stands when the best one is among its first three; else
+// `points`: the gate ranks the 15 separating axes, and the force stands when the best one is among its first three; else
 // the manifold is made by the exact path and counted in `fallbacks`. The check is the whole separating-axis test, since
-// four axes at a time that costs less (20 ns) than three axes and a proof that no other beats them. `query` works like
-// this under either law. Both models agree to the last bit here as well.
+// four axes at a time that costs less (20 ns) than three axes and a proof that no other beats them. Both models agree to
+// the last bit here as well.
 //
-// What the gates gain: nothing in time, in single calls. A proof that no piece or axis was missed looks at all of them,
-// and so could have named them; the network comes on top. `quayside contact bench` measures it. A check of the answer
-// alone, cheaper than the search for it, would change that.
+// The geometry query asks no gate, under either law: its check alone is the answer, and a gate in front of it made it
+// twice as slow for the same bits. How good the gate is by itself is measured by `quayside contact check`.
+//
+// What the gates gain in forces: nothing in time, in single calls. A proof that no piece or axis was missed looks at all
+// of them, and so could have named them; the network comes on top. `quayside contact bench` measures it. A check of the
+// answer alone, cheaper than the search for it, would change that.
 #pragma once
 
 #include <memory>

@@ -107,21 +107,17 @@ struct Judge {
       : points_file(options.network.empty() ? shipped_gate(Law::points)
                                             : read_network(options.network, kPointsInterface)),
         gate(points_file.network) {
-    ContactSettings settings;
-    settings.law = Law::points;
-    settings.network = options.network;
-    queries = make_committee_module(settings);
-    settings = {};
-    forces = make_committee_module(settings);
+    const ContactSettings settings;
+    deployed = make_committee_module(settings);
     exact = make_exact_module(settings);
   }
 
   void committee(const BoxPair& pair, const RelativeVelocity& V, SizeVerdict& verdict) const {
     ContactCounters counters, ignored;
-    judge(pair, queries->query(pair.a, pair.b, pair.X_AB, counters), verdict);
+    judge(pair, deployed->query(pair.a, pair.b, pair.X_AB, counters), verdict);
 
     const double truth = true_separation(pair), tolerance = kEvaluationTolerance * size_of(pair);
-    const ContactForce f = forces->force(pair.a, pair.b, pair.X_AB, V, counters);
+    const ContactForce f = deployed->force(pair.a, pair.b, pair.X_AB, V, counters);
     const ContactForce g = exact->force(pair.a, pair.b, pair.X_AB, V, ignored);
     verdict.phantom += truth > tolerance && (f.touching || f.f_A != Vector3d::Zero() || f.t_A != Vector3d::Zero());
     verdict.missed += truth < -tolerance && !f.touching;
@@ -142,7 +138,7 @@ struct Judge {
 
   NetworkFile points_file;
   PointsGate gate;
-  std::unique_ptr<ContactModule> queries, forces, exact;
+  std::unique_ptr<ContactModule> deployed, exact;
 };
 
 Evaluation empty_evaluation() {

@@ -40,7 +40,7 @@ struct SizeVerdict {
   std::uint64_t too_many = 0;     // more than 8 points
   std::uint64_t off_surface = 0;  // a point farther than half its depth from one of the boxes
   std::uint64_t force_off = 0;    // force or torque is not the exact law's
-  std::uint64_t fallbacks = 0;    // queries and forces in which the gate had missed something
+  std::uint64_t fallbacks = 0;    // forces for which the gate had missed something
   double worst_gap = 0;           // largest error, in units of the boxes' size
 
   std::uint64_t failures() const {

@@ -115,7 +115,8 @@ TEST(ContactCommand, WorksFromPosesToAnswersWithANetworkOfItsOwn) {
   testing::internal::CaptureStdout();
   run({"contact", "dataset", "--domain", "side", "--pairs", "300", "-o", folder + "poses.csv"});
   run({"contact", "train", "--gate", "points", "--pairs", "1000", "--epochs", "2", "-o", folder + "gate.onnx"});
-  run({"contact", "query", folder + "poses.csv", "--network", folder + "gate.onnx", "-o", folder + "committee.csv"});
+  run({"contact", "check", "--poses", "600", "--threads", "1", "--network", folder + "gate.onnx"});
+  run({"contact", "query", folder + "poses.csv", "-o", folder + "committee.csv"});
   run({"contact", "query", folder + "poses.csv", "--model", "exact", "-o", folder + "exact.csv"});
   testing::internal::GetCapturedStdout();
   const auto content = [&](const char* name) {
