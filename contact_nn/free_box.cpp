@@ -160,7 +160,7 @@ BounceFigures figures_of(std::vector<Bounce> bounces) {
   for (const Bounce& b : bounces) {
     f.gained += b.gain > kNoticeable;
     f.lost += b.gain < -kNoticeable;
-    f.stuck += !b.left;
+    f.still_near += !b.left;
     f.most_gained = std::max(f.most_gained, b.gain);
     changes.push_back(std::abs(b.gain));
   }

@@ -68,7 +68,7 @@ struct BounceFigures {
   int touched = 0;
   int gained = 0;       // more than a thousandth
   int lost = 0;         // more than a thousandth
-  int stuck = 0;        // still in contact after 3 s
+  int still_near = 0;   // not away after 3 s
   double median = 0;    // change of energy, either way [1]
   double most_gained = 0;
 };

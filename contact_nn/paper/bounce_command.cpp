@@ -108,7 +108,7 @@ void run_bounces(const BounceArguments& arguments) {
   const auto heading = [&](const std::string& text) {
     status.show("");
     fmt::print("\n{}\n\n{:<52}{:>9}{:>16}{:>16}{:>9}{:>12}{:>14}\n", text, "who answers", "touched", "gain > 0.1 %",
-               "lose > 0.1 %", "stuck", "median", "most gained");
+               "lose > 0.1 %", "near", "median", "most gained");
   };
   const auto row = [&](const std::string& name, const std::function<FreeBox::Force()>& make) {
     status.show(name + " ...");
@@ -116,7 +116,7 @@ void run_bounces(const BounceArguments& arguments) {
     const double share = 100.0 / std::max(1, f.touched);
     status.show("");
     fmt::print("{:<52}{:>9}{:>14.2f} %{:>14.2f} %{:>9}{:>12.1e}{:>14.1e}\n", name, f.touched, share * f.gained,
-               share * f.lost, f.stuck, f.median, f.most_gained);
+               share * f.lost, f.still_near, f.median, f.most_gained);
     std::fflush(stdout);
   };
   const auto rows = [&](const Box& box) {

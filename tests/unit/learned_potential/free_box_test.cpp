@@ -98,7 +98,7 @@ TEST(FreeBox, AForceThatMakesEnergyIsFoundOut) {
   EXPECT_EQ(figures.touched, 3);
   EXPECT_EQ(figures.gained, 1);
   EXPECT_EQ(figures.lost, 0);
-  EXPECT_EQ(figures.stuck, 0);
+  EXPECT_EQ(figures.still_near, 0);
   EXPECT_EQ(figures.most_gained, unfair.gain);
 }
 
