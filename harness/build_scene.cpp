@@ -269,7 +269,7 @@ contact_nn::ContactSettings contact_settings(const cases::ContactSpec& spec) {
 }
 
 SolverSettings solver_settings(const cases::SolverSpec& spec) {
-  return {spec.relative_tolerance, spec.max_step, spec.mujoco_step};
+  return {spec.relative_tolerance, spec.max_step, spec.mujoco_step, spec.integrator, spec.mujoco_integrator};
 }
 
 }  // namespace quayside::harness

@@ -49,6 +49,8 @@ struct SolverSettings {
   double relative_tolerance = 1e-6;  // in (0, 1e-2]
   double max_step = 0;               // [s]; 0: no bound other than near contacts
   double mujoco_step = 0;            // [s]; 0: chosen from the stiffest time constant
+  std::string integrator = "bdf";    // of the Simbody unit: see simbody/integrator.h
+  std::string mujoco_integrator = "rk4";  // of the MuJoCo units: rk4, implicit or euler
 };
 
 // Names of the variables of an engine unit, all engines alike, in this order:

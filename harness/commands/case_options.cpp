@@ -23,6 +23,9 @@ void CaseOptions::add_to(CLI::App& command) {
       ->type_name("MODEL");
   command.add_option("--law", contact_law, "Which force follows, in place of the case's contact.law: potential, points or learned")
       ->type_name("LAW");
+  command.add_option("--integrator", integrator, "Of Simbody, in place of the case's solver.integrator: bdf (default) or adams "
+                                                 "(CVODES), erk or dirk (ARKODE), merson, feldberg, rk3 or cpodes (its own)")
+      ->type_name("NAME");
   command.add_option_function<std::string>(
              "--scene", [this](const std::string& scene) { full_scene = scene == "full"; },
              "reduced: model only what the script can move (default); full: everything")
@@ -41,6 +44,7 @@ cases::Case CaseOptions::load(const std::filesystem::path& file) const {
   std::vector<std::string> all = overrides;
   if (!contact_model.empty()) all.push_back("contact.model=" + contact_model);
   if (!contact_law.empty()) all.push_back("contact.law=" + contact_law);
+  if (!integrator.empty()) all.push_back("solver.integrator=" + integrator);
   cases::Case description = cases::load_case(file, all);
   std::vector<std::string> signals;
   for (const Variable& output : case_variables(description).outputs) signals.push_back(output.name);

@@ -14,7 +14,7 @@ namespace quayside::harness {
 
 struct CaseOptions {
   std::vector<std::string> engines = RunOptions().engines;
-  std::string contact_model, contact_law;  // empty: as in the case
+  std::string contact_model, contact_law, integrator;  // empty: as in the case
   bool full_scene = false;
   std::vector<std::string> overrides;
 

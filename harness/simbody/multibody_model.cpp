@@ -17,6 +17,10 @@ using crane_models::Pose;
 
 constexpr double kShortestRope = 0.05;  // the radius of a small sheave [m]
 
+// Differences for the Jacobian: small against a contact's depth (1e-3 m) and the transition speed of friction
+// (1e-3 m/s), large against the rounding of a yard's coordinates (1e-14) [m, rad, m/s, rad/s].
+constexpr double kJacobianShift = 1e-8;
+
 SimTK::Vec3 to_simtk(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 Eigen::Vector3d to_eigen(const SimTK::Vec3& v) { return {v[0], v[1], v[2]}; }
 
@@ -192,6 +196,7 @@ MultibodyModel::MultibodyModel(const crane_models::Scene& scene,
       quantities_.push_back(linear ? Quantity::velocity : Quantity::angular_velocity);
     }
   }
+  find_blocks();
 }
 
 MultibodyModel::~MultibodyModel() = default;
@@ -292,6 +297,106 @@ void MultibodyModel::derivative(double t, const double* y, double* y_dot) {
   const SimTK::Vector& u_dot = s.state.getUDot();
   for (const int q : s.y_to_q) *y_dot++ = q_dot[q];
   for (const int u : s.y_to_u) *y_dot++ = u_dot[u];
+}
+
+// Parents stand before their children.
+void MultibodyModel::find_blocks() {
+  const Simbody& s = *simbody_;
+  block_of_body_.assign(scene_.bodies.size(), -1);
+  std::size_t slot = 0;
+  int q = 0, u = static_cast<int>(s.y_to_q.size());
+  for (std::size_t body = 0; body < scene_.bodies.size(); ++body) {
+    const int parent = scene_.bodies[body].joint.parent;
+    int& block = block_of_body_[body];
+    if (parent != kWorld) block = block_of_body_[parent];
+    if (slot == s.slots.size() || s.slots[slot].body != static_cast<int>(body)) continue;
+    if (block < 0) {
+      block = static_cast<int>(blocks_.size());
+      blocks_.emplace_back();
+    }
+    for (int i = 0; i < s.slots[slot].q_count; ++i) blocks_[block].push_back(q++);
+    for (int i = 0; i < s.slots[slot].u_count; ++i) blocks_[block].push_back(u++);
+    ++slot;
+  }
+  coupled_.resize(blocks_.size() * blocks_.size());
+  colours_.resize(blocks_.size());
+  y_shifted_.resize(quantities_.size());
+  y_dot_shifted_.resize(quantities_.size());
+  shifts_.resize(quantities_.size());
+}
+
+void MultibodyModel::find_coupling() {
+  const std::size_t n = blocks_.size();
+  std::fill(coupled_.begin(), coupled_.end(), false);
+  for (std::size_t i = 0; i < n; ++i) coupled_[i * n + i] = true;
+  const auto couple = [&](int body_a, int body_b) {
+    const int a = body_a == kWorld ? -1 : block_of_body_[body_a], b = body_b == kWorld ? -1 : block_of_body_[body_b];
+    if (a >= 0 && b >= 0) coupled_[a * n + b] = coupled_[b * n + a] = true;
+  };
+  for (const auto& rope : scene_.ropes) couple(rope.upper.body, rope.lower.body);
+  for (std::size_t i = 0; i < scene_.locks.size(); ++i) {
+    if (locks_closed_[i]) couple(scene_.locks[i].body_a, scene_.locks[i].body_b);
+  }
+  for (std::size_t i = 0; i < scene_.pairs.size(); ++i) {
+    if (loads_.pairs[i].contact.touching) couple(scene_.pairs[i].body_a, scene_.pairs[i].body_b);
+  }
+}
+
+// Each block gets the first colour that no block has which a common one feels.
+void MultibodyModel::colour_blocks() {
+  const std::size_t n = blocks_.size();
+  const auto clash = [&](std::size_t a, std::size_t b) {
+    for (std::size_t i = 0; i < n; ++i) {
+      if (coupled_[a * n + i] && coupled_[b * n + i]) return true;
+    }
+    return false;
+  };
+  colour_count_ = 0;
+  for (std::size_t block = 0; block < n; ++block) {
+    int& colour = colours_[block];
+    colour = 0;
+    for (std::size_t other = 0; other < block; ++other) {
+      if (colours_[other] != colour || !clash(block, other)) continue;
+      ++colour;
+      other = static_cast<std::size_t>(-1);  // the next colour, from the first block on
+    }
+    colour_count_ = std::max(colour_count_, colour + 1);
+  }
+}
+
+void MultibodyModel::jacobian(double t, const double* y, const double* y_dot, double* jacobian) {
+  if (time_ != t) evaluate(t, y);  // which bodies touch
+  find_coupling();
+  colour_blocks();
+  const std::size_t size = quantities_.size(), n = blocks_.size();
+  std::fill_n(jacobian, size * size, 0.0);
+  std::copy_n(y, size, y_shifted_.begin());
+  for (int colour = 0; colour < colour_count_; ++colour) {
+    for (std::size_t k = 0, shifted = 1; shifted > 0; ++k) {  // the k-th coordinates of all blocks of this colour
+      shifted = 0;
+      const auto each = [&](auto&& action) {
+        for (std::size_t block = 0; block < n; ++block) {
+          if (colours_[block] == colour && k < blocks_[block].size()) action(block, blocks_[block][k]);
+        }
+      };
+      each([&](std::size_t, int column) {
+        y_shifted_[column] = y[column] + kJacobianShift;
+        shifts_[column] = y_shifted_[column] - y[column];  // as rounded
+        ++shifted;
+      });
+      if (shifted == 0) continue;
+      derivative(t, y_shifted_.data(), y_dot_shifted_.data());
+      each([&](std::size_t block, int column) {
+        for (std::size_t other = 0; other < n; ++other) {
+          if (!coupled_[block * n + other]) continue;
+          for (const int row : blocks_[other]) {
+            jacobian[column * size + row] = (y_dot_shifted_[row] - y_dot[row]) / shifts_[column];
+          }
+        }
+        y_shifted_[column] = y[column];
+      });
+    }
+  }
 }
 
 double MultibodyModel::kinetic_energy() const {

@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 
 #include "harness/scene_engine.h"
-#include "harness/simbody/bdf_integrator.h"
+#include "harness/simbody/integrator.h"
 #include "harness/simbody/multibody_model.h"
 
 namespace quayside::harness {
@@ -35,7 +35,7 @@ constexpr double kShortestBound = 1e-6;      // so that bounding cannot stall a 
 constexpr double kRestingTime = 1.0;       // [s]
 constexpr double kRestingSpeed = 1e4;      // root of the mean square over all mass, per relative tolerance [m/s]
 constexpr double kRestlessFactor = 4;
-constexpr int kOrderInMotion = 5;
+constexpr int kOrderInMotion = Integrator::kHighestOrder;
 constexpr int kOrderAtRest = 2;
 
 // Steps shrink before the moment at which a rope's rest length is used up, to fail at last within this of it [s].
@@ -96,6 +96,12 @@ class Dynamics final : public OdeSystem {
     return finite(z_dot, kImpulses + 3 * groups_.size());
   }
 
+  bool jacobian(double t, const double* y, const double* y_dot, double* jacobian) override {
+    last_caller_ = Caller::integrator;
+    model_.jacobian(t, y, y_dot, jacobian);
+    return finite(jacobian, static_cast<std::size_t>(model_.size()) * model_.size());
+  }
+
   // Quaternions: onto the unit sphere, and errors onto its tangent.
   void project(const double* y, double* correction, double* error) override {
     std::fill_n(correction, model_.size(), 0.0);
@@ -138,8 +144,9 @@ class SimbodyUnit final : public SceneEngine {
         relative_tolerance_(solver.relative_tolerance),
         model_(scene_, contact_nn::make_contact_module(contact)),
         dynamics_(model_, monitor_.groups()),
-        integrator_(dynamics_, tolerances(model_, solver.relative_tolerance), static_cast<int>(integrals_.size()),
-                    solver.max_step),
+        integrator_(make_integrator(solver.integrator, dynamics_,
+                                    {tolerances(model_, solver.relative_tolerance),
+                                     static_cast<int>(integrals_.size()), solver.max_step})),
         y_(model_.size()),
         y_then_(y_.size()),
         integrals_then_(integrals_.size()) {
@@ -172,7 +179,7 @@ class SimbodyUnit final : public SceneEngine {
   const double relative_tolerance_;
   MultibodyModel model_;
   Dynamics dynamics_;
-  BdfIntegrator integrator_;
+  const std::unique_ptr<Integrator> integrator_;
   EventMonitor::SampleAt sample_at_;
 
   std::vector<double> y_;                        // at time_
@@ -183,9 +190,9 @@ class SimbodyUnit final : public SceneEngine {
 
 EngineStatistics SimbodyUnit::statistics() const {
   EngineStatistics statistics;
-  statistics.steps = integrator_.steps();
+  statistics.steps = integrator_->steps();
   statistics.rhs_evaluations = model_.evaluations;
-  statistics.jacobians = integrator_.jacobians();
+  statistics.jacobians = integrator_->jacobians();
   statistics.contact = model_.contact_counters;
   return statistics;
 }
@@ -224,7 +231,7 @@ void SimbodyUnit::restore_motion(ByteReader& in) {
 
 // Fills `sample` from the dense output at t, where the model is evaluated unless it stands there already.
 void SimbodyUnit::look(double t, EventMonitor::Sample& sample) {
-  integrator_.interpolate(t, y_then_.data(), integrals_then_.data());
+  integrator_->interpolate(t, y_then_.data(), integrals_then_.data());
   if (dynamics_.last_caller() == Dynamics::Caller::integrator || model_.time() != t) {
     dynamics_.evaluate(t, y_then_.data());
   }
@@ -240,8 +247,8 @@ void SimbodyUnit::settle(Time time) {
     integrals_ = integrals_then_;
   } else {
     // An event's whole nanosecond, or that of the last good step, may lie just outside of the integrator's step.
-    const double t = std::clamp(seconds(time), integrator_.step_begin(), integrator_.time());
-    integrator_.interpolate(t, y_.data(), integrals_.data());
+    const double t = std::clamp(seconds(time), integrator_->step_begin(), integrator_->time());
+    integrator_->interpolate(t, y_.data(), integrals_.data());
     dynamics_.evaluate(seconds(time), y_.data());
   }
   fill(seconds(time), integrals_, begin_);
@@ -261,17 +268,17 @@ int SimbodyUnit::order_now() const {
 
 // The integrator's next step, from where the monitor stands.
 void SimbodyUnit::integrate_once() {
-  const double t = integrator_.time();
+  const double t = integrator_->time();
   const int order = order_now();
   if (order != max_order_ || model_.time() != t) look(t, end_);
   if (order != max_order_) {
-    integrator_.restart(t, y_then_.data(), integrals_then_.data(), max_order_ = order);
+    integrator_->restart(t, y_then_.data(), integrals_then_.data(), max_order_ = order);
   }
   bool touching = false;
   for (std::size_t i = 0; i < monitor_.groups().size(); ++i) touching |= monitor_.touching(static_cast<int>(i));
-  integrator_.watch_stability(touching);
+  integrator_->watch_stability(touching);
   const double free_flight = model_.time_to_contact(kBlindDepth, kAccelerationBound);
-  integrator_.step(t + std::clamp(free_flight, kShortestBound, kFarAway));
+  integrator_->step(t + std::clamp(free_flight, kShortestBound, kFarAway));
 }
 
 // Integrator steps and communication steps know nothing of each other: the monitor goes along the dense output in
@@ -279,11 +286,11 @@ void SimbodyUnit::integrate_once() {
 StepResult SimbodyUnit::advance_to(Time target) {
   while (begin_.time < seconds(target)) {
     if (!running_) {
-      integrator_.restart(seconds(time_), y_.data(), integrals_.data(), max_order_ = order_now());
+      integrator_->restart(seconds(time_), y_.data(), integrals_.data(), max_order_ = order_now());
       running_ = true;
     }
-    if (integrator_.time() <= begin_.time) integrate_once();
-    look(std::min(integrator_.time(), seconds(target)), end_);
+    if (integrator_->time() <= begin_.time) integrate_once();
+    look(std::min(integrator_->time(), seconds(target)), end_);
     check_depths(end_);
     update_ledger(integrals_then_);
     const auto flip = monitor_.advance(begin_, end_, sample_at_);
@@ -300,7 +307,7 @@ StepResult SimbodyUnit::advance_to(Time target) {
 std::string SimbodyUnit::recover(const std::runtime_error& failure) {
   settle(std::max(time_, static_cast<Time>(std::floor(begin_.time / kNanosecond))));
   running_ = false;
-  const int rope = model_.spent_rope(integrator_.time() + kSpentRopeOutlook);
+  const int rope = model_.spent_rope(integrator_->time() + kSpentRopeOutlook);
   return rope < 0 ? failure.what() : scene_.ropes[rope].name + " is hoisted in to its end";
 }
 

@@ -1,4 +1,5 @@
-// The product's engine: the Scene as a Simbody multibody system, integrated by SUNDIALS' CVODES.
+// The product's engine: the Scene as a Simbody multibody system, integrated by SUNDIALS' CVODES or another of the
+// methods in integrator.h.
 #pragma once
 
 #include <memory>
