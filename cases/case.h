@@ -85,6 +85,8 @@ struct SolverSpec {
   double relative_tolerance = 1e-6;
   double max_step = 0;     // [s]; 0: no bound
   double mujoco_step = 0;  // [s]; 0: chosen by the engine
+  std::string integrator = "bdf";  // of Simbody
+  std::string mujoco_integrator = "rk4";
 };
 
 // A line of the script. It fires once, `after` seconds from the moment its condition first holds, and gives commands.

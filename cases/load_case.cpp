@@ -38,10 +38,16 @@ ContactSpec read_contact(const Value& value) {
 
 SolverSpec read_solver(const Value& value) {
   SolverSpec solver;
-  const Mapping mapping = value.mapping({"relative_tolerance", "max_step", "mujoco_step"});
+  const Mapping mapping = value.mapping({"relative_tolerance", "max_step", "mujoco_step", "integrator", "mujoco_integrator"});
   mapping.number("relative_tolerance", kRelativeTolerance, solver.relative_tolerance);
   mapping.number("max_step", kSolverStep, solver.max_step);
   mapping.number("mujoco_step", kSolverStep, solver.mujoco_step);
+  if (const auto integrator = mapping.find("integrator")) {
+    solver.integrator = integrator->word({"bdf", "adams", "erk", "dirk", "merson", "feldberg", "rk3", "cpodes"});
+  }
+  if (const auto integrator = mapping.find("mujoco_integrator")) {
+    solver.mujoco_integrator = integrator->word({"rk4", "implicit", "euler"});
+  }
   return solver;
 }
 
