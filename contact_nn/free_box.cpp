@@ -113,12 +113,12 @@ double FreeBox::follow(State& y, double duration, double tolerance,
   return t;
 }
 
-Bounce bounce(const Throw& start, const FreeBox::Force& elastic, double tolerance) {
+Rebound rebound(const Throw& start, const FreeBox::Force& elastic, double tolerance) {
   constexpr double kLongest = 3, kAway = 5e-3, kAwayFor = 0.05;  // [s], [m], [s]
   const FreeBox box(start.b, start.mass, elastic);
   State y = FreeBox::state(start.X_AB, start.v_A, start.w_B);
   const double before = box.energy(y);
-  Bounce result;
+  Rebound result;
   double near_until = 0;
   box.follow(y, kLongest, tolerance, [&](double time, const State& now) {
     const double gap = separation(start.a, start.b, FreeBox::pose(now));
@@ -152,12 +152,12 @@ Throw throw_down(const Box& a, const Box& b, Random& random) {
           random.uniform(0, 0.05) * random.direction()};
 }
 
-BounceFigures figures_of(std::vector<Bounce> bounces) {
-  bounces.erase(std::remove_if(bounces.begin(), bounces.end(), [](const Bounce& b) { return !b.touched; }), bounces.end());
-  BounceFigures f;
+ReboundFigures figures_of(std::vector<Rebound> bounces) {
+  bounces.erase(std::remove_if(bounces.begin(), bounces.end(), [](const Rebound& b) { return !b.touched; }), bounces.end());
+  ReboundFigures f;
   f.touched = static_cast<int>(bounces.size());
   std::vector<double> changes;
-  for (const Bounce& b : bounces) {
+  for (const Rebound& b : bounces) {
     f.gained += b.gain > kNoticeable;
     f.lost += b.gain < -kNoticeable;
     f.still_near += !b.left;

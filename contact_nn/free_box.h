@@ -50,11 +50,11 @@ struct Throw {
   Pose X_AB;          // where it starts, apart
   Eigen::Vector3d v_A, w_B;
 };
-struct Bounce {
+struct Rebound {
   bool touched = false, left = false;
   double gain = 0;  // energy at the end less energy at the start, over the latter [1]
 };
-Bounce bounce(const Throw& start, const FreeBox::Force& elastic, double tolerance = 1e-9);
+Rebound rebound(const Throw& start, const FreeBox::Force& elastic, double tolerance = 1e-9);
 
 // From a random direction in a random orientation, 2 mm away, at 0.2 to 1.3 m/s and up to 0.1 rad/s; 30 t.
 Throw throw_from_anywhere(const Box& a, const Box& b, Random& random);
@@ -64,7 +64,7 @@ Throw throw_from_anywhere(const Box& a, const Box& b, Random& random);
 Throw throw_down(const Box& a, const Box& b, Random& random);
 
 // Of the bounces that touched.
-struct BounceFigures {
+struct ReboundFigures {
   int touched = 0;
   int gained = 0;       // more than a thousandth
   int lost = 0;         // more than a thousandth
@@ -73,6 +73,6 @@ struct BounceFigures {
   double most_gained = 0;
 };
 inline constexpr double kNoticeable = 1e-3;  // change of energy that counts [1]
-BounceFigures figures_of(std::vector<Bounce> bounces);
+ReboundFigures figures_of(std::vector<Rebound> bounces);
 
 }  // namespace quayside::contact_nn

@@ -17,7 +17,7 @@
 #include <fmt/format.h>
 
 #include "contact_nn/onnx_file.h"
-#include "contact_nn/paper/bounce_command.h"
+#include "contact_nn/paper/energy_command.h"
 #include "contact_nn/paper/figure.h"
 #include "contact_nn/paper/tables.h"
 #include "contact_nn/paper/tuning.h"
@@ -284,7 +284,7 @@ void add_paper_commands(CLI::App& contact) {
                   "Example:\n  quayside contact tune --networks 2000 -o tuning.csv");
   command->callback([tuning] { run_tune(*tuning); });
 
-  add_bounce_command(contact);
+  add_energy_command(contact);
 }
 
 }  // namespace quayside::contact_nn

@@ -1,4 +1,4 @@
-// quayside contact trihedra|evaluate|tune|bounces: the paper's data, its tables and its tuning made again, and its module in
+// quayside contact trihedra|evaluate|tune|energy: the paper's data, its tables and its tuning made again, and its module in
 // an integrator.
 #pragma once
 

@@ -90,11 +90,11 @@ TEST(FreeBox, AForceThatMakesEnergyIsFoundOut) {
   Pose X = Pose::Identity();
   X.translation().z() = 2 * kBox.half.z() + 1e-3;
   const Throw start{kBox, kBox, 1e3, X, Vector3d(0, 0, -0.5), Vector3d::Zero()};
-  const Bounce fair = bounce(start, spring(0)), unfair = bounce(start, spring(0.01));
+  const Rebound fair = rebound(start, spring(0)), unfair = rebound(start, spring(0.01));
   EXPECT_TRUE(fair.touched && fair.left);
   EXPECT_NEAR(fair.gain, 0, 2e-5);  // the spring begins with a kink, inside a step
   EXPECT_NEAR(unfair.gain, 0.01, 1e-4);  // the work on the way out is a hundredth more
-  const BounceFigures figures = figures_of({fair, fair, unfair, {}});
+  const ReboundFigures figures = figures_of({fair, fair, unfair, {}});
   EXPECT_EQ(figures.touched, 3);
   EXPECT_EQ(figures.gained, 1);
   EXPECT_EQ(figures.lost, 0);

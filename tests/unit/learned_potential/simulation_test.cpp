@@ -23,7 +23,7 @@ FreeBox::Force force_of(ContactSettings settings) {
 
 // Starts over the whole domain of the network and beyond, so that some cross the seam while they rock. The force is the
 // gradient of a potential: what is gained or lost is the integrator's and falls with its tolerance (4e-4 of the start at most
-// with 1e-8 m a step, 1e-4 with 1e-9). A force that made energy would not care. (More of them: `quayside contact bounces`.)
+// with 1e-8 m a step, 1e-4 with 1e-9). A force that made energy would not care. (More of them: `quayside contact energy`.)
 TEST(LearnedPotentialBounces, AThousandElasticBouncesGainNoEnergy) {
   ContactSettings settings;
   settings.friction = 0;
@@ -31,11 +31,11 @@ TEST(LearnedPotentialBounces, AThousandElasticBouncesGainNoEnergy) {
   const FreeBox::Force force = force_of(settings);
   const auto figures = [&](double tolerance) {
     Random random(1);
-    std::vector<Bounce> bounces;
-    for (int i = 0; i < 1000; ++i) bounces.push_back(bounce(throw_down(kContainer, kContainer, random), force, tolerance));
+    std::vector<Rebound> bounces;
+    for (int i = 0; i < 1000; ++i) bounces.push_back(rebound(throw_down(kContainer, kContainer, random), force, tolerance));
     return figures_of(bounces);
   };
-  const BounceFigures coarse = figures(1e-7), fine = figures(1e-8);
+  const ReboundFigures coarse = figures(1e-7), fine = figures(1e-8);
   RecordProperty("most_gained", std::to_string(fine.most_gained));
   EXPECT_GT(fine.touched, 950);
   EXPECT_EQ(fine.gained, 0);

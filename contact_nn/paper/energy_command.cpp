@@ -1,4 +1,4 @@
-#include "contact_nn/paper/bounce_command.h"
+#include "contact_nn/paper/energy_command.h"
 
 #include <algorithm>
 #include <atomic>
@@ -24,7 +24,7 @@ namespace {
 
 using namespace paper;
 
-struct BounceArguments {
+struct EnergyArguments {
   int bounces = 1000;
   std::uint64_t seed = 1;
   double tolerance = 1e-9;
@@ -53,14 +53,14 @@ Throw throw_of_trihedra(Random& random) {
 }
 
 // Each start has its own seed, so it does not matter who follows which.
-BounceFigures figures(const std::function<Throw(Random&)>& draw, const FreeBox::Force& force,
-                      const BounceArguments& arguments) {
-  std::vector<Bounce> bounces(static_cast<std::size_t>(arguments.bounces));
+ReboundFigures figures(const std::function<Throw(Random&)>& draw, const FreeBox::Force& force,
+                      const EnergyArguments& arguments) {
+  std::vector<Rebound> bounces(static_cast<std::size_t>(arguments.bounces));
   std::atomic<std::size_t> next{0};
   const auto work = [&] {
     for (std::size_t i; (i = next++) < bounces.size();) {
       Random random(arguments.seed * 1000003 + i);
-      bounces[i] = bounce(draw(random), force, arguments.tolerance);
+      bounces[i] = rebound(draw(random), force, arguments.tolerance);
     }
   };
   std::vector<std::thread> threads;
@@ -100,7 +100,7 @@ FreeBox::Force mlp_force(const Coding& coding, Depth depth, std::uint64_t seed) 
   return [contact](const Pose& X_AB, const RelativeVelocity&) { return contact(X_AB); };
 }
 
-void run_bounces(const BounceArguments& arguments) {
+void run_energy(const EnergyArguments& arguments) {
   StatusLine status;
   fmt::print("{} elastic, frictionless bounces each; seed {}, error of a step at most {:g} m\n", arguments.bounces,
              arguments.seed, arguments.tolerance);
@@ -112,7 +112,7 @@ void run_bounces(const BounceArguments& arguments) {
   };
   const auto row = [&](const std::string& name, const std::function<FreeBox::Force()>& make) {
     status.show(name + " ...");
-    const BounceFigures f = figures(draw, make(), arguments);
+    const ReboundFigures f = figures(draw, make(), arguments);
     const double share = 100.0 / std::max(1, f.touched);
     status.show("");
     fmt::print("{:<52}{:>9}{:>14.2f} %{:>14.2f} %{:>9}{:>12.1e}{:>14.1e}\n", name, f.touched, share * f.gained,
@@ -160,9 +160,9 @@ void run_bounces(const BounceArguments& arguments) {
 
 }  // namespace
 
-void add_bounce_command(CLI::App& contact) {
-  auto arguments = std::make_shared<BounceArguments>();
-  CLI::App* command = contact.add_subcommand("bounces", "Elastic bounces under every contact model: who makes energy?");
+void add_energy_command(CLI::App& contact) {
+  auto arguments = std::make_shared<EnergyArguments>();
+  CLI::App* command = contact.add_subcommand("energy", "Elastic bounces under every contact model: who makes energy?");
   command->add_option("--bounces", arguments->bounces, "Per row")->check(CLI::Range(1, 10000000))->capture_default_str();
   command->add_option("--seed", arguments->seed, "Of the starts and of the paper's network")->capture_default_str();
   command->add_option("--tolerance", arguments->tolerance, "Error of a step of the integrator, at most [m]")
@@ -170,8 +170,8 @@ void add_bounce_command(CLI::App& contact) {
   command->add_option("--boxes", arguments->boxes, "Which boxes")
       ->check(CLI::IsMember({"cubes", "anywhere", "landing"}))->capture_default_str();
   command->add_option("--network", arguments->network, "Another network for the law 'learned' (ONNX)");
-  command->footer("Example:\n  quayside contact bounces --boxes cubes --bounces 10000");
-  command->callback([arguments] { run_bounces(*arguments); });
+  command->footer("Example:\n  quayside contact energy --boxes cubes --bounces 10000");
+  command->callback([arguments] { run_energy(*arguments); });
 }
 
 }  // namespace quayside::contact_nn
