@@ -162,6 +162,7 @@ struct Case {
   std::vector<UnitSpec> units;
   std::vector<ConnectionSpec> connections;
   MasterSpec master;
+  bool sampled_contact = false;   // "coupling: sampled": contact forces at communication points only
   std::vector<ScriptEntry> script;
   std::vector<Expectation> expectations;
 };

@@ -119,7 +119,7 @@ Case read_case(const Value& document) {
   Case result;
   const Mapping root =
       document.mapping({"title", "duration", "crane", "spreader", "containers", "bodies", "ground", "gravity",
-                        "contact", "solver", "allow_overlap", "output", "units", "connections", "master",
+                        "contact", "solver", "allow_overlap", "output", "units", "connections", "master", "coupling",
                         "script", "expect"});
   result.title = root["title"].text();
   result.duration = root["duration"].number(kDuration);
@@ -155,6 +155,7 @@ Case read_case(const Value& document) {
   }
   read_units(root, result);
   if (const auto master = root.find("master")) result.master = read_master(*master);
+  if (const auto coupling = root.find("coupling")) result.sampled_contact = coupling->word({"continuous", "sampled"}) == "sampled";
   if (const auto script = root.find("script")) {
     for (const Value& value : script->list(kMaxEntries)) {
       result.script.push_back(read_script_entry(value, context));

@@ -272,4 +272,10 @@ SolverSettings solver_settings(const cases::SolverSpec& spec) {
   return {spec.relative_tolerance, spec.max_step, spec.mujoco_step, spec.integrator, spec.mujoco_integrator};
 }
 
+SolverSettings solver_settings(const cases::Case& description) {
+  SolverSettings settings = solver_settings(description.solver);
+  settings.sampled_contact = description.sampled_contact;
+  return settings;
+}
+
 }  // namespace quayside::harness

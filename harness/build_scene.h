@@ -13,6 +13,6 @@ namespace quayside::harness {
 crane_models::Scene build_scene(const cases::Case& description);
 
 contact_nn::ContactSettings contact_settings(const cases::ContactSpec& spec);
-SolverSettings solver_settings(const cases::SolverSpec& spec);
+SolverSettings solver_settings(const cases::Case& description);
 
 }  // namespace quayside::harness

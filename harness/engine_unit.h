@@ -51,6 +51,9 @@ struct SolverSettings {
   double mujoco_step = 0;            // [s]; 0: chosen from the stiffest time constant
   std::string integrator = "bdf";    // of the Simbody unit: see simbody/integrator.h
   std::string mujoco_integrator = "rk4";  // of the MuJoCo units: rk4, implicit or euler
+  // Contact forces by our laws are evaluated at communication points and events and held in between, instead of at every
+  // evaluation of the dynamics. Contacts of MuJoCo's own are not concerned.
+  bool sampled_contact = false;
 };
 
 // Names of the variables of an engine unit, all engines alike, in this order:

@@ -209,7 +209,7 @@ RunResult run_case(const cases::Case& description, const RunOptions& options, co
   const DriveUnit drives("drives", description, result.scene);
   std::vector<std::unique_ptr<Chain>> chains;  // a master refers to the units beside it: chains stay where they are
   for (const std::string& engine : options.engines) {
-    auto plant = factory(engine, result.scene, contact_settings(description.contact), solver_settings(description.solver));
+    auto plant = factory(engine, result.scene, contact_settings(description.contact), solver_settings(description));
     chains.push_back(std::make_unique<Chain>(engine, std::move(plant), drives, description));
   }
 

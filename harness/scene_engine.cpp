@@ -47,7 +47,7 @@ const crane_models::Scene& checked(const crane_models::Scene& scene) {
 SceneEngine::SceneEngine(std::string name, const crane_models::Scene& scene, const SolverSettings& solver)
     : name_(std::move(name)), scene_(checked(scene)), monitor_(scene_), drives_(scene_.drives.size()),
       locks_closed_(scene_.locks.size()), integrals_(kImpulses + 3 * monitor_.groups().size()),
-      begin_(monitor_.make_sample()), end_(monitor_.make_sample()), variables_(engine_variables(scene_)),
+      begin_(monitor_.make_sample()), end_(monitor_.make_sample()), variables_(engine_variables(scene_)), sampled_contact_(solver.sampled_contact),
       inputs_(3 * scene_.drives.size() + scene_.commands.size()), input_is_set_(inputs_.size()),
       outputs_(variables_.size() - inputs_.size()) {
   check(solver);
@@ -144,7 +144,7 @@ void SceneEngine::begin_simulation() {
   std::fill(integrals_.begin(), integrals_.end(), 0.0);
   place_start();
   try {
-    evaluate();
+    evaluate_contacts_too();
   } catch (const std::runtime_error& failure) {
     throw std::invalid_argument(fmt::format("{} cannot start the scene: {}", name_, failure.what()));
   }
@@ -255,6 +255,13 @@ void SceneEngine::publish() {
   write_outputs(scene_, motions(), loads(), monitor_, ledger_, outputs_);
 }
 
+// Where contacts are sampled, this is where.
+void SceneEngine::evaluate_contacts_too() {
+  hold_contacts(false);
+  evaluate();
+  hold_contacts(sampled_contact_);
+}
+
 // After an evaluation of a state that did not follow from the last one.
 void SceneEngine::show_anew() {
   fill(seconds(time_), integrals_, begin_);
@@ -283,7 +290,12 @@ StepResult SceneEngine::do_step(Time now, Time step) {
   }
   return attempt([&] {
     apply_inputs();
-    return advance_to(now + step);
+    const StepResult result = advance_to(now + step);
+    if (sampled_contact_) {
+      evaluate_contacts_too();
+      show_anew();
+    }
+    return result;
   });
 }
 
@@ -326,7 +338,7 @@ void SceneEngine::restore(const UnitState& state) {
   restore_motion(in);
   monitor_.restore(in);
   in.finish();
-  evaluate();
+  evaluate_contacts_too();
   show_anew();
 }
 

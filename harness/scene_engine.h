@@ -46,6 +46,8 @@ class SceneEngine : public EngineUnit {
   virtual void place_start() = 0;
   // Motions, loads and energies at `time_`, with drives and locks as they are.
   virtual void evaluate() = 0;
+  // Whether evaluations take contacts as they were at the last one. For engines with contacts of their own: without effect.
+  virtual void hold_contacts(bool) {}
   // The state at `time_` is a new beginning: the start, restored, saved, or inputs made the motion jump or kink there.
   virtual void restart() = 0;
   // On to `target`, or to where the monitor says that a switch flips.
@@ -97,12 +99,14 @@ class SceneEngine : public EngineUnit {
   template <typename Function>
   auto attempt(const Function& function);
   void begin_simulation();
+  void evaluate_contacts_too();
   void show_anew();
   void apply_inputs();
   bool change_drive(std::size_t index);
   bool change_lock(std::size_t index);
 
   const std::vector<Variable> variables_;
+  const bool sampled_contact_;
   std::vector<double> alarming_depths_;  // per pair [m]
   Mode mode_ = Mode::instantiated;
   std::vector<double> inputs_;           // as last set

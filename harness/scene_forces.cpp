@@ -102,7 +102,10 @@ void SceneForces::evaluate(const std::vector<BodyMotion>& bodies, const std::vec
   for (std::size_t i = 0; i < scene_.locks.size(); ++i) {
     if (locks_closed[i]) add_lock(scene_.locks[i], bodies, loads);
   }
-  for (std::size_t i = 0; i < pairs_.size(); ++i) add_contact(i, bodies, loads, counters);
+  for (std::size_t i = 0; i < pairs_.size(); ++i) {
+    if (loads.contacts_held) add_held_contact(i, bodies, loads);
+    else add_contact(i, bodies, loads, counters);
+  }
 }
 
 spreader::RopeTension SceneForces::rope_state(const spreader::Rope& rope, const std::vector<BodyMotion>& bodies,
@@ -196,11 +199,24 @@ void SceneForces::add_contact(std::size_t index, const std::vector<BodyMotion>& 
   const Vector3d t_W = R_WGa * load.contact.t_A;  // about a's centre
   load.f_W = R_WGa * load.contact.f_A;
   load.p_W = p_WGa + R_WGa * load.contact.impact_point_A;
+  load.t_W = t_W - (load.p_W - p_WGa).cross(load.f_W);
   // One force and torque about one point, a's centre, on both bodies.
   add_force(a, -load.f_W, p_WGa, loads.bodies[pair.body_a]);
   add_force(b, load.f_W, p_WGa, loads.bodies[pair.body_b]);
   loads.bodies[pair.body_a].t_W -= t_W;
   loads.bodies[pair.body_b].t_W += t_W;
+  loads.potential_energy += load.contact.potential_energy;
+  loads.dissipated_power += load.contact.dissipated_power;
+}
+
+void SceneForces::add_held_contact(std::size_t index, const std::vector<BodyMotion>& bodies, SceneLoads& loads) const {
+  const Pair& pair = pairs_[index];
+  const PairLoad& load = loads.pairs[index];
+  if (!load.contact.touching) return;
+  add_force(bodies[pair.body_a], -load.f_W, load.p_W, loads.bodies[pair.body_a]);
+  add_force(bodies[pair.body_b], load.f_W, load.p_W, loads.bodies[pair.body_b]);
+  loads.bodies[pair.body_a].t_W -= load.t_W;
+  loads.bodies[pair.body_b].t_W += load.t_W;
   loads.potential_energy += load.contact.potential_energy;
   loads.dissipated_power += load.contact.dissipated_power;
 }

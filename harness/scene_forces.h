@@ -28,6 +28,7 @@ struct PairLoad {
   contact_nn::ContactForce contact;            // in the frame of box a
   Eigen::Vector3d f_W = Eigen::Vector3d::Zero();   // on body b
   Eigen::Vector3d p_W = Eigen::Vector3d::Zero();   // centre of pressure
+  Eigen::Vector3d t_W = Eigen::Vector3d::Zero();   // torque on body b about p_W
 };
 
 // Everything that a caller may want to know beside the forces; sized once by `SceneForces::make_loads`.
@@ -38,6 +39,10 @@ struct SceneLoads {
   double potential_energy = 0;   // ropes, locks, contacts [J]
   double rope_work_in = 0;       // power put in through rest lengths [W]
   double dissipated_power = 0;   // ropes, locks, contacts [W]
+
+  // Contacts stay what they were at the last evaluation: the same forces at the same places in the world, so that momentum is
+  // kept all the same.
+  bool contacts_held = false;
 };
 
 class SceneForces {
@@ -100,6 +105,7 @@ class SceneForces {
   void add_lock(const spreader::Lock& lock, const std::vector<BodyMotion>& bodies, SceneLoads& loads) const;
   void add_contact(std::size_t index, const std::vector<BodyMotion>& bodies, SceneLoads& loads,
                    contact_nn::ContactCounters& counters) const;
+  void add_held_contact(std::size_t index, const std::vector<BodyMotion>& bodies, SceneLoads& loads) const;
 
   const crane_models::Scene& scene_;
   std::shared_ptr<const contact_nn::ContactModule> contact_;

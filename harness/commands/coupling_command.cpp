@@ -7,6 +7,7 @@
 
 #include "harness/commands/commands.h"
 #include "harness/coupling/oscillator_study.h"
+#include "harness/coupling/sampled_study.h"
 #include "harness/csv.h"
 #include "harness/plot.h"
 #include "harness/terminal.h"
@@ -81,8 +82,83 @@ void print(const std::vector<OscillatorPoint>& points, const std::vector<Stabili
              kOscillatorDuration, errors.text(), table.text());
 }
 
-void study(const fs::path& directory) {
-  fs::create_directories(directory);
+// --- Sampled contact
+
+const std::vector<double> kBounceSteps{1e-4, 2e-4, 5e-4, 1e-3, 2e-3};     // [s]
+const std::vector<double> kCaseSteps{1e-2, 5e-3, 2e-3, 1e-3, 5e-4, 2e-4};  // [s]
+
+std::string number(double value) { return std::isfinite(value) ? format_number(value, 4) : "failed"; }
+
+void study_sampled_contact(const fs::path& directory) {
+  using Align = Table::Align;
+  Table bounces({Align::left, Align::right, Align::right, Align::right});
+  bounces.add({"engine", "step [s]", "leaves/arrives by theory", "found"});
+  CsvWriter bounce_csv(directory / "sampled_bounces.csv");
+  for (const char* name : {"engine", "step [s]", "theory", "found"}) bounce_csv.cell(name);
+  bounce_csv.end_row();
+  for (const SampledBounce& b : sampled_bounces(kBounceSteps)) {
+    bounces.add({b.engine, number(b.step), number(b.theory), number(b.restitution)});
+    bounce_csv.cell(b.engine);
+    for (const double value : {b.step, b.theory, b.restitution}) bounce_csv.cell(value);
+    bounce_csv.end_row();
+  }
+  bounce_csv.close();
+
+  Table rests({Align::left, Align::left, Align::right, Align::right});
+  rests.add({"engine", "direction", "limit by theory [s]", "found [s]"});
+  CsvWriter rest_csv(directory / "sampled_rests.csv");
+  for (const char* name : {"engine", "direction", "theory [s]", "found [s]"}) rest_csv.cell(name);
+  rest_csv.end_row();
+  for (const SampledRest& r : sampled_rests()) {
+    rests.add({r.engine, r.direction, number(r.theory), number(r.found)});
+    rest_csv.cell(r.engine);
+    rest_csv.cell(r.direction);
+    rest_csv.cell(r.theory);
+    rest_csv.cell(r.found);
+    rest_csv.end_row();
+  }
+  rest_csv.close();
+  fmt::print("\nContact held between communication points: a container bounces without damping\n{}\nLongest step with which it "
+             "rests on the ground\n{}{}: sampled_bounces.csv, sampled_rests.csv\n",
+             bounces.text(), rests.text(), directory.string());
+}
+
+void study_case(const fs::path& directory, const std::string& file) {
+  using Align = Table::Align;
+  const cases::Case description = cases::load_case(file);
+  Table table({Align::left, Align::right, Align::right, Align::right, Align::right, Align::right, Align::left});
+  table.add({"engine", "step [s]", "rms [m]", "max [m]", "residual [J]", "time", ""});
+  CsvWriter csv(directory / "sampled_runs.csv");
+  for (const char* name : {"engine", "step [s]", "rms [m]", "max [m]", "energy_residual [J]", "wall_ratio", "failure"}) csv.cell(name);
+  csv.end_row();
+  std::vector<Curve> errors, residuals;
+  for (const SampledRun& r : sampled_runs(description, kCaseSteps)) {
+    table.add({r.engine, number(r.step), number(r.rms), number(r.max), number(r.residual), fmt::format("x {:.1f}", r.wall_ratio),
+               r.failure.value_or("")});
+    csv.cell(r.engine);
+    for (const double value : {r.step, r.rms, r.max, r.residual, r.wall_ratio}) csv.cell(value);
+    csv.cell(r.failure.value_or(""));
+    csv.end_row();
+    if (errors.empty() || errors.back().label != r.engine) {
+      errors.push_back({r.engine, {}, {}});
+      residuals.push_back({r.engine, {}, {}});
+    }
+    if (r.failure) continue;
+    errors.back().x.push_back(r.step);
+    errors.back().y.push_back(r.rms);
+    residuals.back().x.push_back(r.step);
+    residuals.back().y.push_back(std::abs(r.residual));
+  }
+  csv.close();
+  write_file(directory / "sampled_runs.svg",
+             svg_plot("Contact sampled at communication points: " + description.title, {"communication step [s]", true, true, true},
+                      {{"rms distance to contact in the dynamics [m]", errors}, {"energy that the balance misses [J]", residuals}}));
+  fmt::print("\n{}: contact sampled against contact in the dynamics (time: against the same)\n{}{}: sampled_runs.csv, "
+             "sampled_runs.svg\n",
+             description.name, table.text(), directory.string());
+}
+
+void study_oscillator(const fs::path& directory) {
   const TwoMassOscillator oscillator;
   const auto points = oscillator_errors(oscillator, kHalvings);
   const auto limits = oscillator_limits(oscillator);
@@ -92,17 +168,33 @@ void study(const fs::path& directory) {
   fmt::print("{}: oscillator_errors.csv, oscillator_limits.csv, oscillator.svg\n", directory.string());
 }
 
+struct CouplingOptions {
+  std::string out = "runs/coupling", file;
+};
+
+void study(const CouplingOptions& options) {
+  const fs::path directory = options.out;
+  fs::create_directories(directory);
+  study_oscillator(directory);
+  study_sampled_contact(directory);
+  if (!options.file.empty()) study_case(directory, options.file);
+}
+
 }  // namespace
 
 void add_coupling_command(CLI::App& app) {
-  auto out = std::make_shared<std::string>("runs/coupling");
-  CLI::App* command = app.add_subcommand("coupling", "What a cut costs: masters on an oscillator with a known solution");
-  command->add_option("--out", *out, "Where results go")->type_name("DIR")->capture_default_str();
+  auto options = std::make_shared<CouplingOptions>();
+  CLI::App* command = app.add_subcommand("coupling", "What coupling costs: masters and sampled contact, against known answers");
+  command->add_option("case", options->file, "Case file for sampled contact against contact in the dynamics")->type_name("CASE");
+  command->add_option("--out", options->out, "Where results go")->type_name("DIR")->capture_default_str();
   command->footer(
       "The two-mass oscillator is cut in two ways and stepped by every master (jacobi, gauss_seidel, iterated,\n"
       "error_controlled): its error against the exact solution over the macro step and over the cost in steps of units,\n"
-      "the order, and the longest stable step beside the one that theory gives.");
-  command->callback([out] { study(*out); });
+      "the order, and the longest stable step beside the one that theory gives. A container bounces and rests on contact\n"
+      "forces that are held between communication points, beside what theory says of that.\n\n"
+      "Example:\n"
+      "  quayside coupling cases/land_on_stack.yaml");
+  command->callback([options] { study(*options); });
 }
 
 }  // namespace quayside::harness

@@ -28,7 +28,7 @@ UnitState get_state(ByteReader& in) {
 CaseUnit::CaseUnit(const std::string& name, const cases::Case& description)
     : name_(name),
       scene_(build_scene(description)),
-      plant_(make_simbody_engine(scene_, contact_settings(description.contact), solver_settings(description.solver))),
+      plant_(make_simbody_engine(scene_, contact_settings(description.contact), solver_settings(description))),
       drives_("drives", description, scene_) {
   master_.add(*plant_);
   master_.add(drives_);

@@ -15,6 +15,7 @@ class SameLawEngine final : public Engine, private PassiveLaw {
 
  private:
   PassiveLaw* law() override { return this; }
+  void hold_contacts(bool hold) override { loads_.contacts_held = hold; }
   void add_passive_forces(const mjModel* model, mjData* data) override;
   void prepare_stages(double h) override;
   void integrate(double h, const std::vector<double>& rates_at_begin) override;

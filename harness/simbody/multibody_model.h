@@ -32,6 +32,7 @@ class MultibodyModel {
   double drive_reference(int drive) const { return drives_[drive].reference; }
   void set_lock(int lock, bool closed) { locks_closed_[lock] = closed; }
   bool lock_closed(int lock) const { return locks_closed_[lock] != 0; }
+  void hold_contacts(bool hold) { loads_.contacts_held = hold; }
 
   // A rope whose drive has left it no length at t to speak of, so that its stiffness EA / L0 has no meaning; −1: none.
   int spent_rope(double t) const;

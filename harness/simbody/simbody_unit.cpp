@@ -159,6 +159,7 @@ class SimbodyUnit final : public SceneEngine {
  private:
   void place_start() override;
   void evaluate() override;
+  void hold_contacts(bool hold) override { model_.hold_contacts(hold); }
   void restart() override { running_ = false; }
   StepResult advance_to(Time target) override;
   std::string recover(const std::runtime_error& failure) override;
