@@ -61,6 +61,13 @@ class Contender {
   // so that nothing can be optimised away.
   virtual double query(std::size_t i) = 0;
 
+  // All of the first pairs in one go, timed as a pass; for a method that works on many at once.
+  virtual double pass(std::size_t count) {
+    double sum = 0;
+    for (std::size_t i = 0; i < count; ++i) sum += query(i);
+    return sum;
+  }
+
   // What the last query found. Not timed.
   virtual Answer answer() const = 0;
 
@@ -69,6 +76,7 @@ class Contender {
 
   const std::string name;
   const Kind kind;
+  bool gives_point = true;
   double mesh_resolution = 0;      // r of the paper's grid [1]; 0: no mesh
 
   // What the check asks of it on cubes of edge 2 m.

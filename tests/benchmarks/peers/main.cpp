@@ -13,13 +13,14 @@
 #include <fmt/format.h>
 
 #include "contact_nn/contact.h"
+#include "tests/benchmarks/peers/bounce_table.h"
 #include "tests/benchmarks/peers/report.h"
 
 namespace quayside::peers {
 namespace {
 
 struct Options {
-  std::size_t poses = 1000;
+  std::size_t poses = 1000, bounces = 2000;
   std::uint64_t seed = 1;
   Effort effort;
   std::vector<std::string> only;
@@ -112,8 +113,10 @@ int run(const Options& options) {
   if (isatty(STDERR_FILENO)) effort.progress = [](const std::string& where) { fmt::print(stderr, "\r{}\033[K", where); };
   const Measurement measurement = measure(contenders, scenes, effort);
   if (effort.progress) effort.progress("");
-  fmt::print("{}", markdown(measurement, lines));
-  if (!options.markdown.empty()) write(options.markdown, markdown(measurement, lines));
+  std::string tables = markdown(measurement, lines);
+  if (options.bounces > 0) tables += bounce_table(contenders, options.bounces, options.seed);
+  fmt::print("{}", tables);
+  if (!options.markdown.empty()) write(options.markdown, tables);
   if (!options.csv.empty()) write(options.csv, csv(measurement, contenders, lines));
   if (!options.svg.empty()) write(options.svg, chart(measurement, scenes, lines.front()));
   return 0;
@@ -127,6 +130,8 @@ int main(int argc, char** argv) {
   CLI::App app("The contact module among its peers: speed against error");
   app.add_option("--poses", options.poses, "In each scene")->check(CLI::Range(1, 1000000))->capture_default_str();
   app.add_option("--rounds", options.effort.rounds, "How often every method is timed on every pose")->check(CLI::Range(1, 10000))
+      ->capture_default_str();
+  app.add_option("--bounces", options.bounces, "Elastic bounces for every method, to see whether it makes energy; 0: none")
       ->capture_default_str();
   app.add_option("--seed", options.seed, "Of the poses")->capture_default_str();
   app.add_option("--only", options.only, "Only methods whose names contain one of these");

@@ -1,5 +1,7 @@
 // The contact module's own queries and forces. An engine knows the poses of both boxes in the world: their relative pose is
 // made within the timed query.
+#include "contact_nn/batch.h"
+#include "contact_nn/learned_potential.h"
 #include "tests/benchmarks/peers/contender.h"
 
 namespace quayside::peers {
@@ -77,9 +79,9 @@ class Query final : public Ours {
   Manifold manifold_{};
 };
 
-class Force final : public Ours {
+class Force : public Ours {
  public:
-  Force(const std::string& name, Model model) : Ours(name, model, Law::potential) {
+  Force(const std::string& name, Model model, Law law) : Ours(name, model, law), law_(law) {
     V_.v_A = Eigen::Vector3d(0.01, 0.02, -0.1);
     V_.w_A = Eigen::Vector3d(0.01, 0.02, 0.03);
   }
@@ -106,12 +108,102 @@ class Force final : public Ours {
   }
 
   std::string note() const override {
+    if (law_ == Law::learned)
+      return "ContactModule::force, law learned (a network; exact outside its domain), with damping and friction; passes in "
+             "batches of 64; " + std::to_string(100.0 * static_cast<double>(counters_.network_evaluations) /
+                                              static_cast<double>(std::max<std::uint64_t>(counters_.queries, 1))) +
+             " % of the calls in the network's domain";
     return "ContactModule::force, law potential, with damping and friction" + share_of_fallbacks(counters_);
   }
 
- private:
+ protected:
   RelativeVelocity V_;
+
+ private:
+  Law law_;
   ContactForce force_;
+};
+
+// Passes in batches of 64.
+constexpr std::size_t kBatch = 64;
+
+class LearnedForce final : public Force {
+ public:
+  LearnedForce() : Force("learned force", Model::exact, Law::learned) {
+    batch_.fill({{Eigen::Vector3d::Ones()}, {Eigen::Vector3d::Ones()}, Pose::Identity(), V_});
+  }
+
+  double pass(std::size_t count) override {
+    const auto& learned = dynamic_cast<const LearnedModule&>(*module_);
+    double sum = 0;
+    for (std::size_t first = 0; first < count; first += kBatch) {
+      const std::size_t n = std::min(kBatch, count - first);
+      for (std::size_t i = 0; i < n; ++i) {
+        const Pair& x = pairs_[first + i];
+        batch_[i].a = x.a;
+        batch_[i].b = x.b;
+        batch_[i].X_AB = x.X_AB();
+      }
+      learned.forces(batch_.data(), n, forces_.data(), counters_);
+      for (std::size_t i = 0; i < n; ++i) sum += forces_[i].f_A[2];
+    }
+    return sum;
+  }
+
+ private:
+  std::array<LearnedPair, kBatch> batch_;
+  std::array<ContactForce, kBatch> forces_;
+};
+
+// The separating-axis test alone, eight pairs at a time: gap and axis, no points.
+class Separations final : public Ours {
+ public:
+  Separations() : Ours("separations", Model::exact, Law::points) {
+    gives_point = false;
+    batch_.fill({{Eigen::Vector3d::Ones()}, {Eigen::Vector3d::Ones()}, Pose::Identity()});
+  }
+
+  double query(std::size_t i) override {
+    last_ = i;
+    const Pair& x = pairs_[i];
+    const AxisSeparation s = largest_separation(x.a, x.b, x.X_AB());
+    found_ = s;
+    return s.gap;
+  }
+
+  double pass(std::size_t count) override {
+    double sum = 0;
+    for (std::size_t first = 0; first < count; first += kBatch) {
+      const std::size_t n = std::min(kBatch, count - first);
+      for (std::size_t i = 0; i < n; ++i) {
+        const Pair& x = pairs_[first + i];
+        batch_[i].a = x.a;
+        batch_[i].b = x.b;
+        batch_[i].X_AB = x.X_AB();
+      }
+      separations(batch_.data(), n, answers_.data());
+      for (std::size_t i = 0; i < n; ++i) sum += answers_[i].gap;
+    }
+    return sum;
+  }
+
+  Answer answer() const override {
+    Answer answer;
+    answer.touching = found_.gap < 0;
+    if (!answer.touching) return answer;
+    answer.depth = -found_.gap;
+    answer.n_W = pairs_[last_].X_WA.linear() * found_.n_A;
+    return answer;
+  }
+
+  std::string note() const override {
+    return "largest_separation: gap, axis and normal of 15, no points; passes in batches of 64 (gap and axis)";
+  }
+
+ private:
+  AxisSeparation found_{};
+  std::array<BoxPair, kBatch> batch_;
+  std::array<GapAndAxis, kBatch> answers_{};
 };
 
 }  // namespace
@@ -119,8 +211,10 @@ class Force final : public Ours {
 void add_ours(Contenders& all) {
   all.push_back(std::make_unique<Query>("exact query", Model::exact));
   all.push_back(std::make_unique<Query>("committee query", Model::committee));
-  all.push_back(std::make_unique<Force>("exact force", Model::exact));
-  all.push_back(std::make_unique<Force>("committee force", Model::committee));
+  all.push_back(std::make_unique<Separations>());
+  all.push_back(std::make_unique<Force>("exact force", Model::exact, Law::potential));
+  all.push_back(std::make_unique<Force>("committee force", Model::committee, Law::potential));
+  all.push_back(std::make_unique<LearnedForce>());
 }
 
 }  // namespace quayside::peers

@@ -41,6 +41,17 @@ BoxPair stacked(Random& random) {
   return pair;
 }
 
+// Stacked or side by side without any turn, as cases are written and simulations start.
+BoxPair aligned(Random& random) {
+  const Box &a = kContainer40, &b = random.uniform() < 0.5 ? kContainer40 : kContainer20;
+  BoxPair pair{a, b, Pose::Identity()};
+  const int axis = random.uniform() < 0.75 ? 2 : 1;
+  Vector3d p = random.uniform() < 0.5 ? Vector3d(0, 0, 0) : Vector3d(random.uniform(-3, 3), 0, 0);
+  p[axis] = a.half[axis] + b.half[axis] - 1e-4 * std::pow(50, random.uniform());
+  pair.X_AB.translation() = p;
+  return pair;
+}
+
 BoxPair containers(PoseDomain domain, const GapRange& gaps, Random& random) {
   return sample_pair(kContainer40, random.uniform() < 0.5 ? kContainer40 : kContainer20, domain, gaps, random);
 }
@@ -59,13 +70,14 @@ Pose somewhere(Random& random) {
 }
 
 Scene scene(const std::string& name, const std::string& description, bool touching, std::size_t poses, Random& random,
-            const std::function<BoxPair(Random&)>& draw, const std::function<bool(const Manifold&)>& wanted) {
+            const std::function<BoxPair(Random&)>& draw, const std::function<bool(const Manifold&)>& wanted,
+            const std::function<Pose(Random&)>& place = somewhere) {
   Scene scene{name, description, touching, {}};
   scene.pairs.reserve(poses);
   while (scene.pairs.size() < poses) {
     const BoxPair pair = draw(random);
     if (!wanted(manifold(pair))) continue;
-    const Pose X_WA = somewhere(random);
+    const Pose X_WA = place(random);
     scene.pairs.push_back({pair.a, pair.b, X_WA, X_WA * pair.X_AB});
   }
   return scene;
@@ -86,6 +98,13 @@ std::vector<Scene> make_scenes(std::size_t poses, std::uint64_t seed) {
   all.push_back(scene(
       "stacked", "a container at rest on a 40 ft container: tilts to 1e-4 rad, 0.1 to 5 mm deep", true, poses, random,
       stacked, as_deep_as_wanted));
+  all.push_back(scene(
+      "aligned", "containers on and beside one another without any turn, along the world's axes, 0.1 to 5 mm deep", true, poses,
+      random, aligned, as_deep_as_wanted, [](Random& r) {
+        Pose X = somewhere(r);
+        X.linear().setIdentity();
+        return X;
+      }));
   all.push_back(scene(
       "edge crossings", "cubes and containers, an edge across an edge, 0.01 to 10 mm deep", true, poses, random,
       [&](Random& r) { return any_boxes(touching, r); },
