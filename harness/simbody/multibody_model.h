@@ -45,12 +45,12 @@ class MultibodyModel {
   // The same, and dy/dt. `y` is read before `y_dot` is written.
   void derivative(double t, const double* y, double* y_dot);
 
-  // At the last evaluation:
   // ∂(dy/dt)/∂y, column after column, by differences; `y_dot` belongs to (t, y). Bodies that neither touch now nor share
   // a rope, a closed lock or a joint do not feel each other: their columns are taken together, so that the evaluations
   // needed grow with the most neighbours that a body has and not with the number of bodies. Allocates nothing.
   void jacobian(double t, const double* y, const double* y_dot, double* jacobian);
 
+  // At the last evaluation:
   double time() const { return time_; }
   const std::vector<BodyMotion>& motions() const { return motions_; }
   const SceneLoads& loads() const { return loads_; }
@@ -75,11 +75,11 @@ class MultibodyModel {
     crane_models::DriveMotion motion;
   };
 
-  const crane_models::Scene& scene_;
   void find_blocks();
   void find_coupling();
   void colour_blocks();
 
+  const crane_models::Scene& scene_;
   SceneForces forces_;
   std::vector<Quantity> quantities_;
   std::vector<int> quaternions_;
@@ -92,7 +92,6 @@ class MultibodyModel {
   std::vector<BodyMotion> motions_;
   SceneLoads loads_;
   double joint_dissipation_ = 0;  // [W]
-  std::unique_ptr<Simbody> simbody_;
 
   // Coordinates in blocks, one for each tree of joints that move freely.
   std::vector<std::vector<int>> blocks_;  // where in y
@@ -101,6 +100,7 @@ class MultibodyModel {
   std::vector<int> colours_;              // of blocks; no block feels two of one colour
   int colour_count_ = 0;
   std::vector<double> y_shifted_, y_dot_shifted_, shifts_;
+  std::unique_ptr<Simbody> simbody_;
 };
 
 }  // namespace quayside::harness
