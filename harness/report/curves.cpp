@@ -104,7 +104,7 @@ nlohmann::ordered_json pack_curves(const std::vector<CurveTable>& tables, double
   std::map<std::string, double> tolerance;
   Polylines lines;
   std::size_t vertices = 0;
-  for (double share = kFinestShare; share < 1; share *= 2) {
+  for (double share = kFinestShare; share <= 2; share *= 2) {
     for (const auto& [unit, magnitude] : largest) tolerance[unit] = share * magnitude;
     lines = polylines(tables, tolerance, vertices);
     if (vertices * kVertexBytes * 4 / 3 <= most_bytes) break;

@@ -75,7 +75,7 @@ class Player {
     this.playButton = element('button', {class: 'play', id: 'play', onclick: () => this.clock.toggle()}, 'Play');
     this.timeText = element('span', {class: 'time', id: 'time'});
     this.slider = element('input', {type: 'range', id: 'scrub', min: 0, max: this.clock.duration, step: 'any', value: 0, 'aria-label': 'Time',
-      oninput: () => { this.clock.pause(); this.clock.seek(Number(this.slider.value)); }});
+      oninput: () => { const time = Number(this.slider.value); this.clock.pause(); this.clock.seek(time); }});
     this.marks = element('canvas', {id: 'marks', role: 'img', 'aria-label': 'Events along the time; the table of events lists them, the keys [ and ] go from one to the next',
       onclick: e => { const event = this.markAt(e); if (event) this.goTo(event); },
       onpointermove: e => { const event = this.markAt(e); this.marks.title = event ? `${eventText(event)}, ${number(event.time, 5)} s` : ''; }});
@@ -168,8 +168,9 @@ class Player {
 
   resize() {
     const ratio = Math.min(devicePixelRatio || 1, 2);
-    this.canvas.width = Math.round(this.view.clientWidth * ratio);
-    this.canvas.height = Math.round(this.view.clientHeight * ratio);
+    const [width, height] = [this.view.clientWidth, this.view.clientHeight].map(size => Math.round(size * ratio));
+    if (this.canvas.width === width && this.canvas.height === height) return;
+    [this.canvas.width, this.canvas.height] = [width, height];
     if (this.presetKey && !this.touched) this.preset(this.presetKey);
     this.draw();
     this.drawMarks();
@@ -222,7 +223,7 @@ class Player {
 
   tick() {
     const {clock} = this;
-    if (document.activeElement !== this.slider || Number(this.slider.value) !== clock.time) this.slider.value = clock.time;
+    this.slider.value = clock.time;
     const text = clock.time.toFixed(3);
     this.slider.setAttribute('aria-valuetext', `${text} seconds`);
     this.timeText.innerHTML = `<b>${text}</b> of ${number(clock.duration, 5)} s`;

@@ -84,8 +84,9 @@ class Plot {
 
   resize() {
     const ratio = devicePixelRatio || 1;
-    this.canvas.width = Math.round(this.canvas.clientWidth * ratio);
-    this.canvas.height = Math.round(this.canvas.clientHeight * ratio);
+    [this.width, this.height] = [this.canvas.clientWidth, this.canvas.clientHeight];
+    this.canvas.width = Math.round(this.width * ratio);
+    this.canvas.height = Math.round(this.height * ratio);
     this.stale = true;
     this.redraw();
   }
@@ -93,8 +94,6 @@ class Plot {
   x(t) { return plotMargin.left + (this.width - plotMargin.left - plotMargin.right) * (t - this.group.from) / (this.group.to - this.group.from); }
   time(x) { return this.group.from + (x - plotMargin.left) / (this.width - plotMargin.left - plotMargin.right) * (this.group.to - this.group.from); }
   y(v) { return this.height - plotMargin.bottom - (this.height - plotMargin.top - plotMargin.bottom) * ((this.log ? Math.log10(v) : v) - this.low) / (this.high - this.low); }
-  get width() { return this.canvas.clientWidth; }
-  get height() { return this.canvas.clientHeight; }
 
   setRange() {
     const {from, to} = this.group;

@@ -151,6 +151,7 @@ function runPage() {
   document.getElementById('footer').append(element('p', {}, `Curves are polylines within ${tolerances} of the recorded values; the trajectories beside this file hold these in full. `
     + 'Arrows have the recorded magnitude of the contact force; its direction and centre of pressure are those of the contact law at the recorded pose. Rails and the outline of the headblock are drawn to help the eye and are not simulated.'));
   clock.notify();
+  player?.resize();
   document.documentElement.dataset.ready = 'true';
 }
 

@@ -159,7 +159,7 @@ function budgetCard({error_budget: budget}) {
 }
 
 function originCard({versions, command, case: description}) {
-  return card('How to make this again', 'origin', element('pre', {class: 'command', tabindex: 0}, command),
+  return card('How to make this again', 'origin', element('pre', {class: 'command'}, command),
     element('h3', {}, 'Made with'), pairs([['Case', description.file], ...Object.entries(versions)]));
 }
 
