@@ -18,7 +18,7 @@ ContactSpec read_contact(const Value& value) {
     contact.model = model->word({"committee", "exact"});
   }
   if (const auto law = mapping.find("law")) {
-    contact.law = law->word({"potential", "points", "learned"});
+    contact.law = law->word({"potential", "points", "pads", "learned"});
   }
   mapping.number("stiffness", kStiffness, contact.stiffness);
   mapping.number("restitution", kRestitution, contact.restitution);

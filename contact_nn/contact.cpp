@@ -10,6 +10,7 @@ namespace quayside::contact_nn {
 
 std::unique_ptr<ContactModule> make_contact_module(const ContactSettings& settings) {
   if (settings.law == Law::learned) return make_learned_module(settings);
+  if (settings.law == Law::pads) return make_exact_module(settings);
   switch (settings.model) {
     case Model::exact: return make_exact_module(settings);
     case Model::committee: return make_committee_module(settings);

@@ -61,9 +61,11 @@ struct ContactForce {
 };
 
 // `potential`: p-norm potential over the overlapping surfaces, force and torque its gradient.
-// `points`: springs at the points of the manifold.
+// `points`: springs at the points of the manifold, which share the stiffness of the whole.
+// `pads`: the same, with the stiffness of a quarter of the whole each, as engines have it that know contacts as points: a
+// flat contact on four corners has all of it, one on an edge half (pads_law.h). Closed form, whatever the model.
 // `learned`: a network for the potential where it was trained, `potential` elsewhere (learned_potential.h).
-enum class Law { potential, points, learned };
+enum class Law { potential, points, pads, learned };
 
 // Who finds where the boxes touch: closed form over everything, or a gate network followed by closed form
 // on what it names, checked.

@@ -2,6 +2,7 @@
 
 #include "contact_nn/law_parameters.h"
 #include "contact_nn/manifold.h"
+#include "contact_nn/pads_law.h"
 #include "contact_nn/points_law.h"
 #include "contact_nn/potential_law.h"
 
@@ -22,7 +23,8 @@ class ExactModule final : public ContactModule {
                      ContactCounters& counters) const override {
     ++counters.queries;
     if (law_ == Law::potential) return potential_force(a, b, X_AB, V_AB, parameters_);
-    return points_force(contact_manifold(a, b, X_AB, 0), X_AB, V_AB, parameters_);
+    const Manifold manifold = contact_manifold(a, b, X_AB, 0);
+    return law_ == Law::pads ? pads_force(manifold, X_AB, V_AB, parameters_) : points_force(manifold, X_AB, V_AB, parameters_);
   }
 
  private:

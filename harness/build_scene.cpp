@@ -257,6 +257,7 @@ contact_nn::ContactSettings contact_settings(const cases::ContactSpec& spec) {
   contact_nn::ContactSettings settings;
   settings.model = spec.model == "exact" ? contact_nn::Model::exact : contact_nn::Model::committee;
   settings.law = spec.law == "points"    ? contact_nn::Law::points
+                 : spec.law == "pads"    ? contact_nn::Law::pads
                  : spec.law == "learned" ? contact_nn::Law::learned
                                          : contact_nn::Law::potential;
   settings.stiffness = spec.stiffness;

@@ -21,7 +21,7 @@ void CaseOptions::add_to(CLI::App& command) {
   command.add_option("--contact", contact_model, "Who finds where boxes touch, in place of the case's contact.model: "
                                                  "committee or exact")
       ->type_name("MODEL");
-  command.add_option("--law", contact_law, "Which force follows, in place of the case's contact.law: potential, points or learned")
+  command.add_option("--law", contact_law, "Which force follows, in place of the case's contact.law: potential, points, pads or learned")
       ->type_name("LAW");
   command.add_option("--integrator", integrator, "Of Simbody, in place of the case's solver.integrator: bdf (default) or adams "
                                                  "(CVODES), erk or dirk (ARKODE), merson, feldberg, rk3 or cpodes (its own)")

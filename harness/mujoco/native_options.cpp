@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "contact_nn/pads_law.h"
 #include "contact_nn/potential_law.h"
 #include "contact_nn/triangle_moments.h"
 #include "harness/mujoco/model.h"
@@ -139,12 +140,14 @@ MjcfOptions native_options(const Scene& scene, const contact_nn::ContactSettings
   for (const auto& pair : scene.pairs) {
     const FlatContact flat = press_flat(scene, pair);
     double stiffness = contact.stiffness;
-    if (contact.law != contact_nn::Law::points) {
+    const bool pads = contact.law == contact_nn::Law::pads;
+    if (!pads && contact.law != contact_nn::Law::points) {
       stiffness *= std::pow(flat.area / contact_nn::kReferenceArea, 2.0 / contact_nn::kNorm);
     }
     const double inverse = inverse_mass(m, plain.body_id(pair.body_a), plain.body_id(pair.body_b));
     const double damping = inverse > 0 ? 2 * zeta * std::sqrt(stiffness / inverse) : 0;
-    options.pairs.push_back(reference(stiffness / (flat.points * flat.reported_depth), damping / flat.points, inverse));
+    const int points = pads ? contact_nn::kPads : flat.points;
+    options.pairs.push_back(reference(stiffness / (points * flat.reported_depth), damping / points, inverse));
     if (damping > 0) {
       options.impratio = std::max(
           options.impratio, contact.friction * gravity / (inverse * damping * contact.transition_speed));

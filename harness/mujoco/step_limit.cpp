@@ -35,6 +35,7 @@ double largest_face(const Eigen::Vector3d& half) {
 double flat_stiffness(const crane_models::Scene& scene, const crane_models::ContactPair& pair,
                       const contact_nn::ContactSettings& contact) {
   if (contact.law == contact_nn::Law::points) return contact.stiffness;
+  if (contact.law == contact_nn::Law::pads) return 2 * contact.stiffness;  // eight points of crossed faces
   const double area = std::min(largest_face(scene.bodies[pair.body_a].boxes[pair.box_a].half),
                                largest_face(scene.bodies[pair.body_b].boxes[pair.box_b].half));
   return contact.stiffness * std::pow(area / contact_nn::kReferenceArea, 2.0 / contact_nn::kNorm);
