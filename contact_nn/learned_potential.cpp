@@ -58,7 +58,7 @@ bool known_size(const Box& a, const Box& b) {
   return (is_container(a) && (is_container(b) || is_ground(b))) || (is_ground(a) && is_container(b));
 }
 
-double domain_weight(const View<double>& v, const Domain& domain, const PoseGradient<double>& log_s,
+double domain_weight(const View<double>& v, bool crossed, const Domain& domain, const PoseGradient<double>& log_s,
                      PoseGradient<double>& g) {
   g = {};
   if (v.p[2] <= 0 || v.R[2][2] <= 0 || v.R[0][0] <= 0 || v.R[1][1] <= 0) return 0;
@@ -74,7 +74,8 @@ double domain_weight(const View<double>& v, const Domain& domain, const PoseGrad
   };
   std::array<Factor, 7> f;
   f[0] = factor(v.R[0][2] * v.R[0][2] + v.R[1][2] * v.R[1][2], squared_sine(domain.tilt), squared_sine(domain.outer_tilt));
-  f[1] = factor(v.R[1][0] * v.R[1][0], squared_sine(domain.yaw), squared_sine(domain.outer_yaw));
+  f[1] = factor(v.R[1][0] * v.R[1][0], squared_sine(crossed ? domain.crossed_yaw : domain.yaw),
+                squared_sine(crossed ? domain.outer_crossed_yaw : domain.outer_yaw));
   f[2] = factor(v.s, domain.depth, domain.outer_depth);
   // Overlap along A's and B's horizontal axes, never more than it is.
   double q[2], reach[4];
@@ -110,6 +111,29 @@ double domain_weight(const View<double>& v, const Domain& domain, const PoseGrad
     }
   }
   return weight;
+}
+
+Domain domain_named(const std::string& name) {
+  constexpr double degree = M_PI / 180;
+  Domain domain;
+  if (name == kCrane) {
+    domain.tilt = 4 * degree, domain.outer_tilt = 5 * degree;
+    domain.yaw = 10 * degree, domain.outer_yaw = 12.5 * degree;
+    domain.crossed_yaw = 40 * degree, domain.outer_crossed_yaw = 50 * degree;
+  } else if (name != kLanding) {
+    throw std::invalid_argument("no domain is called '" + name + "': take " + kLanding + " or " + kCrane);
+  }
+  return domain;
+}
+
+Domain domain_of(const NetworkFile& file) {
+  const auto found = file.how_made.find("domain");
+  const std::string name = found == file.how_made.end() ? "" : found->second.substr(0, found->second.find(':'));
+  if (name != kLanding && name != kCrane) {
+    throw std::runtime_error("the network does not say for which poses it was made: its metadata must have the key "
+                             "'domain', beginning with 'landing:' or 'crane:'");
+  }
+  return domain_named(name);
 }
 
 template <class Scalar>
@@ -202,7 +226,7 @@ Wrench wrench_of(const PoseGradient<double>& g, double factor, const Canonical& 
   Matrix3d R;
   for (int i = 0; i < 3; ++i) {
     p[i] = c.sign(i) * g.p[i];
-    for (int j = 0; j < 3; ++j) R(i, j) = c.sign(i, j) * g.R[i][j];
+    for (int j = 0; j < 3; ++j) R(i, c.of_b(j)) = c.sign(i, j) * g.R[i][j];
   }
   Wrench w;
   w.force = -factor * p;
@@ -216,9 +240,9 @@ Wrench wrench_of(const PoseGradient<double>& g, double factor, const Canonical& 
 void fill(View<double>& v, int, const Canonical& c, const Box& a, const Box& b, const Pose& X_AB) {
   for (int i = 0; i < 3; ++i) {
     v.a[i] = a.half[i];
-    v.b[i] = b.half[i];
+    v.b[i] = b.half[c.of_b(i)];
     v.p[i] = c.sign(i) * X_AB.translation()[i];
-    for (int j = 0; j < 3; ++j) v.R[i][j] = c.sign(i, j) * X_AB.linear()(i, j);
+    for (int j = 0; j < 3; ++j) v.R[i][j] = c.sign(i, j) * X_AB.linear()(i, c.of_b(j));
   }
 }
 
@@ -228,9 +252,9 @@ using Lanes = Eigen::Array<double, kLanes, 1>;
 void fill(View<Lanes>& v, int lane, const Canonical& c, const Box& a, const Box& b, const Pose& X_AB) {
   for (int i = 0; i < 3; ++i) {
     v.a[i][lane] = a.half[i];
-    v.b[i][lane] = b.half[i];
+    v.b[i][lane] = b.half[c.of_b(i)];
     v.p[i][lane] = c.sign(i) * X_AB.translation()[i];
-    for (int j = 0; j < 3; ++j) v.R[i][j][lane] = c.sign(i, j) * X_AB.linear()(i, j);
+    for (int j = 0; j < 3; ++j) v.R[i][j][lane] = c.sign(i, j) * X_AB.linear()(i, c.of_b(j));
   }
 }
 
@@ -240,7 +264,8 @@ class LearnedModuleOf final : public LearnedModule {
   LearnedModuleOf(const ContactSettings& settings, const NetworkFile& file, std::unique_ptr<ContactModule> exact)
       : parameters_(law_parameters(settings)),
         network_(file.network),
-        exact_(std::move(exact)) {}
+        exact_(std::move(exact)),
+        domain_(domain_of(file)) {}
 
   Manifold query(const Box& a, const Box& b, const Pose& X_AB, ContactCounters& counters,
                  double margin) const override {
@@ -249,11 +274,11 @@ class LearnedModuleOf final : public LearnedModule {
 
   ContactForce force(const Box& a, const Box& b, const Pose& X_AB, const RelativeVelocity& V_AB,
                      ContactCounters& counters) const override {
-    const Canonical canonical(X_AB);
+    const Canonical canonical(X_AB, cross_from_);
     View<double> view;
     fill(view, 0, canonical, a, b, X_AB);
-    if (!known_size(a, b) || !may_be_inside(view)) return from_exact(a, b, X_AB, V_AB, counters);
-    const bool well_inside = inside(view, 0);
+    if (!known_size(a, b) || !may_be_inside(view, canonical.crossed())) return from_exact(a, b, X_AB, V_AB, counters);
+    const bool well_inside = inside(view, canonical.crossed(), 0);
     if (!well_inside && !overlaps_sideways(view)) return from_exact(a, b, X_AB, V_AB, counters);
     view.scale();
     if (!pressed(view.load)) {
@@ -263,7 +288,7 @@ class LearnedModuleOf final : public LearnedModule {
     if (!well_inside || view.s > domain_.depth) {
       PoseGradient<double> log_s, to_weight;
       view.gradient(nullptr, 1, 0, log_s);
-      const double w = domain_weight(view, domain_, log_s, to_weight);
+      const double w = domain_weight(view, canonical.crossed(), domain_, log_s, to_weight);
       if (w == 0) return from_exact(a, b, X_AB, V_AB, counters);
       if (w < 1) return blended(view, canonical, a, b, X_AB, V_AB, w, to_weight, counters);
     }
@@ -285,8 +310,8 @@ class LearnedModuleOf final : public LearnedModule {
 
  private:
   // Cheap, before anything else: the weight is zero whatever the depth.
-  bool may_be_inside(const View<double>& v) const {
-    return v.R[2][2] > cos_outer_tilt_ && v.R[1][0] * v.R[1][0] < sin2_outer_yaw_ && v.R[1][1] > 0;
+  bool may_be_inside(const View<double>& v, bool crossed) const {
+    return v.R[2][2] > cos_outer_tilt_ && v.R[1][0] * v.R[1][0] < sin2_outer_yaw_[crossed] && v.R[1][1] > 0;
   }
 
   // If not, the weight is zero, and s means nothing: it knows no horizontal axes.
@@ -302,9 +327,9 @@ class LearnedModuleOf final : public LearnedModule {
   }
 
   // The weight is 1: bounds a little tighter than the domain's own, and only what is quick to compute.
-  bool inside(const View<double>& v, double s) const {
+  bool inside(const View<double>& v, bool crossed, double s) const {
     const double tilt2 = v.R[0][2] * v.R[0][2] + v.R[1][2] * v.R[1][2], yaw2 = v.R[1][0] * v.R[1][0];
-    if (!(tilt2 <= sin2_tilt_ && yaw2 <= sin2_yaw_ && s <= domain_.depth)) return false;
+    if (!(tilt2 <= sin2_tilt_ && yaw2 <= sin2_yaw_[crossed] && s <= domain_.depth)) return false;
     for (int k = 0; k < 2; ++k) {
       const double q = v.R[0][k] * v.p[0] + v.R[1][k] * v.p[1] + v.R[2][k] * v.p[2];
       if (v.a[k] + v.b[k] * v.R[k][k] - std::abs(v.p[k]) < domain_.overlap) return false;
@@ -359,10 +384,10 @@ class LearnedModuleOf final : public LearnedModule {
   // Elastic wrench, damping and friction into `f`.
   void add_motion(const Wrench& w, double length_x, double length_y, double s, const Canonical& canonical, const Box& a,
                   const Pose& X_AB, const RelativeVelocity& V, ContactForce& f) const {
-    const double N = w.force.norm();
-    const Vector3d n = w.force / N;
+    const double N = w.force.norm(), inverse = 1 / N;
+    const Vector3d n = w.force * inverse;
     // The line of action where it meets A's face towards B.
-    Vector3d c = n.cross(w.torque) / N;
+    Vector3d c = n.cross(w.torque) * inverse;
     c += n * ((canonical.mirror * a.half[2] - c[2]) / n[2]);
     const Vector3d v = V.v_A + V.w_A.cross(c - X_AB.translation());
     const double approach = -n.dot(v), pressed = N * std::max(0.0, 1 + parameters_.damping * approach);
@@ -422,10 +447,10 @@ class LearnedModuleOf final : public LearnedModule {
     int lanes = 0;
     for (int i = 0; i < n; ++i) {
       const LearnedPair& x = pairs[i];
-      const Canonical canonical(x.X_AB);
+      const Canonical canonical(x.X_AB, cross_from_);
       View<double> one;
       fill(one, 0, canonical, x.a, x.b, x.X_AB);
-      if (!known_size(x.a, x.b) || !inside(one, 0)) {
+      if (!known_size(x.a, x.b) || !inside(one, canonical.crossed(), 0)) {
         forces[i] = force(x.a, x.b, x.X_AB, x.V_AB, counters);
         continue;
       }
@@ -435,7 +460,7 @@ class LearnedModuleOf final : public LearnedModule {
     if (lanes == 0) return;
     for (int k = lanes; k < batch; ++k) {  // the rest repeats the last one
       const LearnedPair& x = pairs[used[lanes - 1]];
-      fill(view[k / kLanes], k % kLanes, Canonical(x.X_AB), x.a, x.b, x.X_AB);
+      fill(view[k / kLanes], k % kLanes, Canonical(x.X_AB, cross_from_), x.a, x.b, x.X_AB);
     }
     Lane input[kInputs], hypotenuse[kDepths], value, slope[kInputs];
     for (int h = 0; h < batch / kLanes; ++h) {
@@ -479,7 +504,8 @@ class LearnedModuleOf final : public LearnedModule {
           one.p[r] = g.p[r][k];
           for (int c = 0; c < 3; ++c) one.R[r][c] = g.R[r][c][k];
         }
-        forces[i] = from_network(d[k], one, view[h].length[0][k], view[h].length[1][k], view[h].s[k], Canonical(x.X_AB),
+        forces[i] = from_network(d[k], one, view[h].length[0][k], view[h].length[1][k], view[h].s[k],
+                                 Canonical(x.X_AB, cross_from_),
                                  x.a, x.X_AB, x.V_AB);
       }
     }
@@ -489,9 +515,11 @@ class LearnedModuleOf final : public LearnedModule {
   PotentialNetwork<Scalar> network_;
   std::unique_ptr<ContactModule> exact_;
   Domain domain_;
-  double cos_outer_tilt_ = std::cos(domain_.outer_tilt);
-  double sin2_outer_yaw_ = std::pow(std::sin(domain_.outer_yaw), 2);
-  double sin2_tilt_ = std::pow(std::sin(domain_.tilt), 2), sin2_yaw_ = std::pow(std::sin(domain_.yaw), 2);
+  static double squared_sine(double angle) { return std::sin(angle) * std::sin(angle); }
+  double cross_from_ = domain_.cross_from(), cos_outer_tilt_ = std::cos(domain_.outer_tilt);
+  double sin2_tilt_ = squared_sine(domain_.tilt);
+  double sin2_yaw_[2] = {squared_sine(domain_.yaw), squared_sine(domain_.crossed_yaw)};  // parallel, crossed
+  double sin2_outer_yaw_[2] = {squared_sine(domain_.outer_yaw), squared_sine(domain_.outer_crossed_yaw)};
 };
 
 template <class Scalar>

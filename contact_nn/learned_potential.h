@@ -15,6 +15,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <memory>
 #include <string>
@@ -38,13 +39,25 @@ struct Domain {
   double yaw = 5 * M_PI / 180, outer_yaw = 6.25 * M_PI / 180;   // of the x axes, about z [rad]
   double depth = 0.033, outer_depth = 0.042;                    // s [m]; a penetration of 30 mm has at most this s
   double overlap = 0.5, outer_overlap = 0.3;                    // least, sideways [m]
+  // The same for boxes that lie across one another, the yaw counted between A's x and B's y axis; 0: not in the domain.
+  double crossed_yaw = 0, outer_crossed_yaw = 0;                // [rad]
+
+  // Beyond the yaw of this sine boxes count as crossed.
+  double cross_from() const { return outer_crossed_yaw > 0 ? std::sin(outer_yaw) : Canonical::kNeverCrossed; }
 };
+
+// Domains that networks are made for. A network file names its own at the beginning of its key `domain`.
+//   landing  as above
+//   crane    tilt to 4° (5°); yaw to 10° (12.5°), and to 40° (50°) from square across one another
+inline constexpr const char *kLanding = "landing", *kCrane = "crane";
+Domain domain_named(const std::string& name);      // throws std::invalid_argument for another name
+Domain domain_of(const NetworkFile& file);         // throws std::runtime_error when the file does not say
 
 // Sizes of boxes that the network was trained on: containers and spreaders of any length, or ground.
 bool known_size(const Box& a, const Box& b);
 
 // The weight of the network and its gradient, for a canonical pose with s and its gradient known.
-double domain_weight(const View<double>& view, const Domain& domain, const PoseGradient<double>& log_s,
+double domain_weight(const View<double>& view, bool crossed, const Domain& domain, const PoseGradient<double>& log_s,
                      PoseGradient<double>& gradient);
 
 // Two hidden layers of tanh, value and gradient. `Scalar`: float in use, double to test the gradient against differences.

@@ -64,6 +64,8 @@ void run_evaluate(const EvaluateArguments& arguments) {
   settings.friction = 0;
   settings.restitution = 1;
   const auto learned = make_learned_module(settings);
+  const learned::Domain domain = learned::domain_of(
+      arguments.network.empty() ? shipped_potential() : read_network(arguments.network, learned::kInterface));
   settings.law = Law::potential;
   settings.network.clear();
   const auto exact = make_contact_module(settings);
@@ -71,7 +73,7 @@ void run_evaluate(const EvaluateArguments& arguments) {
   const auto boxes = [&](LandingPoses poses) {
     Random random(1000 * arguments.seed + 500);
     std::vector<BoxPair> pairs;
-    while (pairs.size() < arguments.pairs) pairs.push_back(sample_landing(poses, 1, random));
+    while (pairs.size() < arguments.pairs) pairs.push_back(sample_landing(poses, 1, random, domain));
     return pairs;
   };
   const auto row = [&](const char* name, const std::vector<BoxPair>& pairs) {
@@ -100,7 +102,7 @@ void run_evaluate(const EvaluateArguments& arguments) {
   fmt::print("elastic force of the network against the exact law; times in ns, fastest of 15 rounds\n\n");
   fmt::print("{:<12}{:>8}{:>8}{:>9}{:>9}{:>9}{:>8}{:>9}{:>9}{:>9}{:>8}{:>8}\n", "poses", "median%", "p99 %", "most %",
              "lever mm", "p99 mm", "covered", "exact", "single", "batch", "faster", "batched");
-  row("landing", boxes(LandingPoses::any));
+  row("domain", boxes(LandingPoses::any));
   row("edge", boxes(LandingPoses::edge));
   row("resting", boxes(LandingPoses::resting));
   row("aligned", boxes(LandingPoses::aligned));
@@ -120,6 +122,8 @@ void add_learned_commands(CLI::App& contact) {
   command->add_option("--seed", train->options.seed, "Of data, initial weights and batches")->capture_default_str();
   command->add_option("--pairs", train->options.pairs, "Pairs to learn from")->check(CLI::Range(1000, 10000000))
       ->capture_default_str();
+  command->add_option("--domain", train->options.domain, "For which poses")
+      ->check(CLI::IsMember({learned::kLanding, learned::kCrane}))->capture_default_str();
   command->add_option("--steps", train->options.steps, "Of the optimiser")->check(CLI::Range(0, 100000000))
       ->capture_default_str();
   command->add_option("--out,-o", train->out, "ONNX file to write")->required();

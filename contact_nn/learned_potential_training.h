@@ -21,11 +21,12 @@ enum class LandingPoses {
 };
 
 // `reach` 1 for the domain itself, larger for its seam.
-BoxPair sample_landing(LandingPoses poses, double reach, Random& random);
+BoxPair sample_landing(LandingPoses poses, double reach, Random& random, const learned::Domain& domain = {});
 
 struct PotentialTrainingOptions {
-  std::size_t pairs = 500000;
-  long steps = 400000;
+  std::string domain = learned::kLanding;
+  std::size_t pairs = 400000;
+  long steps = 200000;
   std::uint64_t seed = 1;
   std::function<void(long step, double loss)> progress;  // now and then
 };

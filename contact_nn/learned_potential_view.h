@@ -42,21 +42,25 @@ inline constexpr double kParallel = 0.05;     // w, of edges that begin to count
 inline constexpr double kLeastLength = 0.1;  // rounds L where Q has all but turned over [m]
 inline constexpr double kTiltScale = 30, kYawScale = 10, kSlenderScale = 10;  // inputs of order one [1]
 
-// Turns and mirrors that leave both boxes as they are and bring B above A, z and x axes within a quarter turn. They
-// are constant over each part of a domain of small tilts and yaws, so they make nothing jump.
+// Turns and mirrors that leave both boxes as they are and bring B above A, z and x axes within a quarter turn; and where A's x
+// and B's y axis have a sine of at least `cross_from`, B's x and y axes change places. Constant over each part of a domain
+// that keeps away from quarter turns and from that sine, so nothing jumps.
 struct Canonical {
-  explicit Canonical(const Pose& X_AB) {
+  explicit Canonical(const Pose& X_AB, double cross_from = kNeverCrossed) {
     const auto& R = X_AB.linear();
     mirror = X_AB.translation().z() < 0 ? -1 : 1;
-    turn = {1, 1, 1};
-    if (R(2, 2) < 0) turn[1] = turn[2] = -1;  // half a turn about B's x axis
-    if (R(0, 0) < 0) turn[0] = -turn[0], turn[1] = -turn[1];
+    if (std::abs(R(0, 1)) > cross_from) axis = {1, 0, 2};
+    for (int j = 0; j < 3; ++j) turn[static_cast<std::size_t>(j)] = R(j, of_b(j)) < 0 ? -1 : 1;
   }
+  static constexpr double kNeverCrossed = 2;  // no sine is that large
+  bool crossed() const { return axis[0] == 1; }
+  int of_b(int j) const { return axis[static_cast<std::size_t>(j)]; }  // which of B's axes is the canonical j
   double sign(int i) const { return i == 2 ? mirror : 1; }
   double sign(int i, int j) const { return sign(i) * sign(j) * turn[static_cast<std::size_t>(j)]; }
 
-  double mirror;                // of A's z axis and B's
-  std::array<double, 3> turn;   // of B's axes
+  double mirror;               // of A's z axis and B's
+  std::array<int, 3> axis{0, 1, 2};
+  std::array<double, 3> turn;  // of B's axes
 };
 
 // A gradient with respect to p_AB and R_AB.
