@@ -15,7 +15,6 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include "contact_nn/bounce_command.h"
 #include "contact_nn/check_command.h"
 #include "contact_nn/gate_training.h"
 #include "contact_nn/learned_potential_command.h"
@@ -347,7 +346,6 @@ void add_contact_commands(CLI::App& app) {
   command->callback([bench] { run_bench(*bench); });
 
   add_check_command(*contact);
-  add_bounce_command(*contact);
   add_learned_commands(*contact);
 }
 
