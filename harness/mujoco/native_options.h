@@ -41,7 +41,10 @@ double inverse_mass(const mjModel* model, int body_a, int body_b);
 //   ropes      K = EA/L0 and C as they are at the start
 //   locks      K and C per pin
 //   contacts   the flat stiffness of the pair's faces (see contact law) split over the points that MuJoCo finds, so
-//              that the whole contact has it; damping likewise, for the restitution at a full flat hit
+//              that the whole contact has it; damping likewise, for the restitution at a full flat hit. Under the law `pads`
+//              a quarter of it per point, as there. Stiffness per point is over the share of the depth that the collider
+//              reports: 2.2.2 reports half between boxes. Left alone, contacts there are half as stiff under the same damper,
+//              and peak forces of blows between boxes are too low by 29 % when elastic and by 15 % at a restitution of 0.4
 //   friction   MuJoCo's friction sticks like a damper of impratio × C. It is made to creep as ours does under the
 //              weight of the heaviest pair: impratio = μ m g/(C v_t), one number for the whole model. With restitution
 //              1 there is no damper to make friction of: a damping ratio of `kLeastDampingRatio` is then used
