@@ -64,7 +64,7 @@ double penetration_by_hull(const Box& a, const Box& b, const Pose& X_AB) {
       for (std::size_t k = 0; k < j; ++k) {
         const Vector3d e = points[j] - points[i], f = points[k] - points[i];
         Vector3d n = e.cross(f);
-        if (n.norm() < 1e-6 * e.norm() * f.norm()) continue;  // three in a line
+        if (n.norm() <= 1e-6 * e.norm() * f.norm()) continue;  // three in a line, or two in one place
         n.normalize();
         const double plane = n.dot(points[i]), slack = 1e-9 * size;
         bool above = false, below = false;
@@ -95,6 +95,40 @@ TEST(SeparatingAxes, AgreesWithTheHullOfTheMinkowskiDifferenceAndNoDirectionSepa
           EXPECT_LE(separation_along(n, a, b, X_AB), gap + 1e-13 * size);
         }
       }
+}
+
+// The same two oracles where it is hard: boxes of 1 mm to 100 m, cubes to needles and plates of 1 to 1000; exactly aligned,
+// turned by 1e-9 to 1e-2 rad, turned at random; shallow, deep, at the same place, one inside the other. The hull takes points
+// within 1e-9 of the size for coplanar, so it is good to that many times the number of points that share a face.
+TEST(SeparatingAxes, AgreesWithBothOraclesWhereItIsHard) {
+  Random random(7);
+  constexpr int kDirections = 1000;
+  const double golden = std::acos(-1.0) * (3 - std::sqrt(5.0)), quarter = std::acos(-1.0) / 2;
+  const Vector3d shapes[] = {{1, 1, 1}, {1, 0.2, 0.21}, {1, 0.01, 0.01}, {1, 0.9, 1e-3}};
+  const double scales[] = {5e-4, 50};  // half lengths [m]
+  int pose_number = 0;
+  for (const double scale : scales)
+    for (const double other : {1.0, 0.1})
+      for (const Vector3d& shape_a : shapes)
+        for (const Vector3d& shape_b : shapes)
+          for (const double angle : {0.0, 1e-9, 1e-7, 1e-5, 1e-3, 1e-2, 1.0}) {
+            const Box a{scale * shape_a}, b{scale * other * shape_b};
+            const Matrix3d laid = rotation(quarter * (pose_number % 4), Vector3d::Unit(pose_number % 3));
+            const Matrix3d R = rotation(angle * random.uniform(0.5, 3), random.direction()) * laid;
+            const double thin = std::min(a.half.minCoeff(), b.half.minCoeff());
+            Pose X_AB = pose(Vector3d::Zero(), R);  // at the same place, or the smaller inside the larger
+            if (pose_number % 3 > 0)
+              X_AB = at_depth(a, b, X_AB, random.direction(), pose_number % 3 == 1 ? 1e-3 * thin : 0.5 * thin);
+            ++pose_number;
+
+            const double gap = separation(a, b, X_AB), size = a.half.norm() + b.half.norm();
+            EXPECT_NEAR(-gap, penetration_by_hull(a, b, X_AB), 1e-8 * size) << pose_number;
+            for (int i = 0; i < kDirections; ++i) {  // Fibonacci sphere
+              const double z = 1 - (2 * i + 1.0) / kDirections, r = std::sqrt(1 - z * z);
+              const Vector3d n(r * std::cos(golden * i), r * std::sin(golden * i), z);
+              ASSERT_LE(separation_along(n, a, b, X_AB), gap + 1e-13 * size) << pose_number;
+            }
+          }
 }
 
 TEST(SeparatingAxes, SwappingTheBoxesMirrors) {
