@@ -176,6 +176,19 @@ TrajectoryComparison compare_trajectories(const Recording& a, const Recording& b
   return comparison;
 }
 
+PositionDistance position_distance(const TrajectoryComparison& comparison) {
+  constexpr std::string_view kSuffix = ".position";
+  PositionDistance distance;
+  for (const SignalDifference& signal : comparison.signals) {
+    const std::string& name = signal.signal;
+    if (name.size() < kSuffix.size() || name.compare(name.size() - kSuffix.size(), kSuffix.size(), kSuffix) != 0) continue;
+    distance.rms = std::max(distance.rms, signal.rms);
+    distance.max = std::max(distance.max, signal.max);
+    distance.end = std::max(distance.end, signal.end);
+  }
+  return distance;
+}
+
 SignalDifference compare_signal(const Recording& a, const Recording& b, const std::string& signal) {
   // Reported by the recording that lacks it, with the names that come near.
   const auto columns_a = a.indices(signal);

@@ -32,6 +32,12 @@ TrajectoryComparison compare_trajectories(const Recording& a, const Recording& b
 // std::invalid_argument where the spans do not meet.
 SignalDifference compare_signal(const Recording& a, const Recording& b, const std::string& signal);
 
+// How far the frames of two runs are apart: of all position signals the largest rms, maximum and distance at the end [m].
+struct PositionDistance {
+  double rms = 0, max = 0, end = 0;
+};
+PositionDistance position_distance(const TrajectoryComparison& comparison);
+
 // The same event in two runs.
 struct EventPair {
   Event a, b;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <stdexcept>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -13,6 +14,7 @@ namespace {
 
 // Geometry of the sheet, in CSS pixels.
 constexpr double kWidth = 820, kPanelHeight = 190, kGap = 42, kLeft = 84, kRight = 20, kTop = 84, kBottom = 46;
+constexpr double kLegendTop = 44, kLegendRow = 20;
 
 // Okabe and Ito's palette, told apart by colour-blind readers as well; dashes carry the same distinction in print.
 constexpr std::array<const char*, 6> kColours{"#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9"};
@@ -97,14 +99,28 @@ std::string svg_plot(const std::string& title, const Axes& axes, const std::vect
   }
   x_range = x_range.padded(axes.markers ? 0.05 : 0);
 
-  const double height = kTop + panels.size() * (kPanelHeight + kGap) - kGap + kBottom;
+  std::vector<std::pair<double, double>> legend;  // where each label stands
+  double legend_x = kLeft, legend_y = kLegendTop;
+  for (const std::string& label : labels) {
+    const double width = 36 + 7.6 * label.size() + 24;
+    if (legend_x > kLeft && legend_x + width > kWidth) {
+      legend_x = kLeft;
+      legend_y += kLegendRow;
+    }
+    legend.emplace_back(legend_x, legend_y);
+    legend_x += width;
+  }
+  const double first_top = kTop + legend_y - kLegendTop;
+
+  const double height = first_top + panels.size() * (kPanelHeight + kGap) - kGap + kBottom;
   const double plot_width = kWidth - kLeft - kRight;
   const auto place = [&](const std::string& label) {
     return static_cast<std::size_t>(std::find(labels.begin(), labels.end(), label) - labels.begin());
   };
   const auto colour = [&](const std::string& label) { return kColours[place(label) % kColours.size()]; };
   const auto style = [&](const std::string& label) {
-    return fmt::format("stroke=\"{}\" stroke-dasharray=\"{}\"", colour(label), kDashes[place(label) % kDashes.size()]);
+    const std::size_t dash = place(label) + place(label) / kColours.size();  // another one in each round of colours
+    return fmt::format("stroke=\"{}\" stroke-dasharray=\"{}\"", colour(label), kDashes[dash % kDashes.size()]);
   };
 
   std::string svg = fmt::format(
@@ -114,18 +130,17 @@ std::string svg_plot(const std::string& title, const Axes& axes, const std::vect
       "<text x=\"{3}\" y=\"24\" font-size=\"16\" fill=\"#111\">{2}</text>\n",
       kWidth, height, escaped(title), kLeft);
 
-  double legend_x = kLeft;
-  for (const std::string& label : labels) {
+  for (std::size_t i = 0; i < labels.size(); ++i) {
+    const auto [x, y] = legend[i];
     svg += fmt::format(
-        "<line x1=\"{:.1f}\" y1=\"44\" x2=\"{:.1f}\" y2=\"44\" stroke-width=\"2.2\" {}/>"
-        "<text x=\"{:.1f}\" y=\"48\" fill=\"#111\">{}</text>\n",
-        legend_x, legend_x + 30, style(label), legend_x + 36, escaped(label));
-    legend_x += 36 + 7.6 * label.size() + 24;
+        "<line x1=\"{:.1f}\" y1=\"{:.1f}\" x2=\"{:.1f}\" y2=\"{:.1f}\" stroke-width=\"2.2\" {}/>"
+        "<text x=\"{:.1f}\" y=\"{:.1f}\" fill=\"#111\">{}</text>\n",
+        x, y, x + 30, y, style(labels[i]), x + 36, y + 4, escaped(labels[i]));
   }
 
   for (std::size_t k = 0; k < panels.size(); ++k) {
     const Panel& panel = panels[k];
-    const double top = kTop + k * (kPanelHeight + kGap), bottom = top + kPanelHeight;
+    const double top = first_top + k * (kPanelHeight + kGap), bottom = top + kPanelHeight;
     Range y_range;
     for (const Curve& curve : panel.curves)
       for (const double y : curve.y) y_range.include(drawn(y, axes.log_y));
@@ -155,9 +170,10 @@ std::string svg_plot(const std::string& title, const Axes& axes, const std::vect
         const double x = drawn(curve.x[i], axes.log_x), y = drawn(curve.y[i], axes.log_y);
         const bool drawable = std::isfinite(x) && std::isfinite(y);
         if (drawable) path += fmt::format("{}{:.1f} {:.1f}", pen_down ? "L" : "M", px(x), py(y));
+        const bool filled = i < curve.emphasized.size() && curve.emphasized[i];
         if (drawable && axes.markers)
-          svg += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"4\" fill=\"#ffffff\" stroke-width=\"1.7\" stroke=\"{}\"/>\n",
-                             px(x), py(y), colour(curve.label));
+          svg += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"4\" fill=\"{}\" stroke-width=\"1.7\" stroke=\"{}\"/>\n",
+                             px(x), py(y), filled ? colour(curve.label) : "#ffffff", colour(curve.label));
         pen_down = drawable;
       }
       svg += fmt::format("<path d=\"{}\" fill=\"none\" stroke-width=\"1.7\" stroke-linejoin=\"round\" {}/>\n", path,

@@ -9,6 +9,7 @@ namespace quayside::harness {
 struct Curve {
   std::string label;  // the same label has the same colour and dash in every panel
   std::vector<double> x, y;
+  std::vector<char> emphasized{};  // points whose marker is filled; empty: none
 };
 
 struct Panel {

@@ -68,7 +68,9 @@ Json contact_json(const cases::ContactSpec& contact) {
 Json solver_json(const cases::SolverSpec& solver) {
   return {{"relative_tolerance", solver.relative_tolerance},
           {"max_step", solver.max_step},
-          {"mujoco_step", solver.mujoco_step}};
+          {"mujoco_step", solver.mujoco_step},
+          {"integrator", solver.integrator},
+          {"mujoco_integrator", solver.mujoco_integrator}};
 }
 
 Json engine_json(const EngineRun& engine) {
@@ -160,6 +162,19 @@ nlohmann::ordered_json to_json(const ExpectationResult& result) {
           {"line", result.line}};
 }
 
+nlohmann::ordered_json to_json(const BudgetLine& line) {
+  Json json = {{"share", line.share}, {"comparison", line.comparison}};
+  if (line.failure) {
+    json["failure"] = *line.failure;
+    return json;
+  }
+  json["position"] = {{"unit", "m"}, {"rms", line.position.rms}, {"max", line.position.max}, {"end", line.position.end}};
+  json["impulse"] = {{"unit", "N s"}, {"largest_difference", line.impulse}, {"largest", line.largest_impulse}};
+  json["peak_force"] = {{"unit", "N"}, {"largest_difference", line.peak_force}};
+  json["impacts_unmatched"] = line.unmatched;
+  return json;
+}
+
 nlohmann::ordered_json summary(const EvaluatedRun& evaluated, const std::string& command) {
   const RunResult& run = evaluated.run;
   Json versions_json = Json::object();
@@ -176,16 +191,20 @@ nlohmann::ordered_json summary(const EvaluatedRun& evaluated, const std::string&
   Json expectations = Json::array();
   for (const ExpectationResult& result : evaluated.expectations) expectations.push_back(to_json(result));
 
-  return {{"case", case_json(run.description)},
-          {"command", command},
-          {"versions", versions_json},
-          {"scene", scene_json(run)},
-          {"contact", contact_json(run.description.contact)},
-          {"solver", solver_json(run.description.solver)},
-          {"engines", engines},
-          {"comparison", comparisons},
-          {"expectations", expectations},
-          {"interrupted", run.interrupted}};
+  Json result = {{"case", case_json(run.description)},
+                 {"command", command},
+                 {"versions", versions_json},
+                 {"scene", scene_json(run)},
+                 {"contact", contact_json(run.description.contact)},
+                 {"solver", solver_json(run.description.solver)},
+                 {"engines", engines},
+                 {"comparison", comparisons},
+                 {"expectations", expectations}};
+  for (const BudgetLine& line : evaluated.budget) result["error_budget"].push_back(to_json(line));
+  if (run.pacing)
+    result["real_time"] = {{"frames", run.pacing->frames}, {"late", run.pacing->late}, {"latest_s", run.pacing->latest_s}};
+  result["interrupted"] = run.interrupted;
+  return result;
 }
 
 }  // namespace quayside::harness

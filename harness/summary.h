@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "harness/compare.h"
+#include "harness/error_budget.h"
 #include "harness/expectations.h"
 #include "harness/run.h"
 
@@ -16,6 +17,7 @@ struct EvaluatedRun {
   RunResult run;
   std::vector<EngineComparison> comparisons;  // the first engine against each of the others
   std::vector<ExpectationResult> expectations;
+  std::vector<BudgetLine> budget;  // where it was asked for
 
   bool completed() const;            // no engine failed
   bool expectations_hold() const;    // none failed; one that was not checked has not failed
@@ -24,11 +26,12 @@ struct EvaluatedRun {
 EvaluatedRun evaluate(RunResult run);
 
 // summary.json: `case`, `command`, `versions`, `scene`, `contact`, `solver`, `engines`, `comparison`, `expectations`,
-// `interrupted`. Numbers in SI units; what is not finite or not known is null. `command`: as the user gave it.
+// `error_budget` (where it was asked for), `interrupted`. Numbers in SI units; what is not finite or not known is null. `command`: as the user gave it.
 nlohmann::ordered_json summary(const EvaluatedRun& evaluated, const std::string& command);
 
 nlohmann::ordered_json to_json(const TrajectoryComparison& comparison);
 nlohmann::ordered_json to_json(const EventComparison& comparison);
 nlohmann::ordered_json to_json(const ExpectationResult& result);
+nlohmann::ordered_json to_json(const BudgetLine& line);
 
 }  // namespace quayside::harness

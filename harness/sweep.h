@@ -1,4 +1,5 @@
-// Speed against error: one case, many settings of its engines, each against a converged reference.
+// Speed against error: one case, many settings of engines, integrators and contact models, each against a converged
+// reference.
 #pragma once
 
 #include <functional>
@@ -11,11 +12,21 @@
 
 namespace quayside::harness {
 
-// One engine at one setting: a relative tolerance for Simbody, a step [s] for MuJoCo.
+// One engine with one of its integrators at one setting: a relative tolerance for Simbody, a step [s] for MuJoCo.
 struct Contender {
   std::string engine;
+  std::string integrator;  // as in solver.integrator or solver.mujoco_integrator
+  std::string contact;     // "exact", "committee" or "learned"; empty: as in the case
   double setting = 0;
+
+  std::string label() const;  // all but the setting
 };
+
+// All sensible combinations of what is named, each over its settings from coarse to fine. Integrators go to the engines
+// that have them; the engine "mujoco" has contacts of its own, and under our laws MuJoCo's implicit method is its Euler.
+std::vector<Contender> contenders(const std::vector<std::string>& engines, const std::vector<std::string>& integrators,
+                                  const std::vector<std::string>& contacts, std::vector<double> tolerances,
+                                  std::vector<double> steps);
 
 struct SweepPoint {
   Contender contender;
@@ -30,9 +41,12 @@ struct SweepPoint {
 struct SweepOptions {
   std::vector<Contender> contenders;
   int repetitions = 3;
-  Contender reference{"simbody", 1e-10};
-  Contender second_reference{"mujoco_same_law", 1e-5};
+  // With exact contact, so that a contact model's own error counts.
+  Contender reference{"simbody", "bdf", "exact", 1e-10};
+  Contender second_reference{"mujoco_same_law", "rk4", "exact", 1e-5};
   bool full_scene = false;
+  // A contender that steps longer than this has failed, and its finer settings with it [s].
+  double time_limit = 20;
   // Called before each run; returning false ends the sweep with what there is.
   std::function<bool(std::size_t done, std::size_t all, const Contender& next)> progress;
 };

@@ -59,6 +59,25 @@ RunOptions CaseOptions::run_options() const {
   return options;
 }
 
+std::vector<std::filesystem::path> case_files(const std::vector<std::string>& paths) {
+  namespace fs = std::filesystem;
+  std::vector<fs::path> files;
+  for (const std::string& path : paths) {
+    std::error_code ignored;  // what is no directory is for the loader to judge
+    if (!fs::is_directory(path, ignored)) {
+      files.emplace_back(path);
+      continue;
+    }
+    std::vector<fs::path> inside;
+    for (const auto& entry : fs::directory_iterator(path))
+      if (entry.path().extension() == ".yaml") inside.push_back(entry.path());
+    if (inside.empty()) throw cases::CaseError(path + ": holds no case, expected files *.yaml");
+    std::sort(inside.begin(), inside.end());
+    files.insert(files.end(), inside.begin(), inside.end());
+  }
+  return files;
+}
+
 CaseVariables case_variables(const cases::Case& description) {
   const crane_models::Scene scene = build_scene(description);
   CaseVariables variables;

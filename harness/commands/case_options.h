@@ -26,6 +26,9 @@ struct CaseOptions {
   RunOptions run_options() const;
 };
 
+// Files as given, directories by their *.yaml in the order of their names. Throws cases::CaseError for a directory without.
+std::vector<std::filesystem::path> case_files(const std::vector<std::string>& paths);
+
 // Every variable that a run of this case has: the engines' inputs, and all outputs, of engines and drives, as recorded.
 struct CaseVariables {
   std::vector<Variable> inputs, outputs;

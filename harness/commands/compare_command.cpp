@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <fstream>
 #include <memory>
 #include <stdexcept>
 
@@ -12,6 +13,7 @@
 #include "harness/names.h"
 #include "harness/output_directory.h"
 #include "harness/run_text.h"
+#include "harness/validation.h"
 
 namespace quayside::harness {
 
@@ -20,6 +22,7 @@ namespace {
 struct CompareCommand {
   std::string first, second;
   std::vector<std::string> engines, signals;
+  std::string table;
   bool json = false;
 
   void execute() const;
@@ -78,6 +81,7 @@ void CompareCommand::execute() const {
                                          first, fmt::join(engines_of(a), ", "), second, fmt::join(engines_of(b), ", ")));
   const Style style = style_for(STDOUT_FILENO);
   auto all = nlohmann::ordered_json::object();
+  std::string table_text = kValidationHeader;
   for (const auto& [engine_a, engine_b] : pairs) {
     const std::string name = !engine_a.empty() ? engine_a : !engine_b.empty() ? engine_b : "trajectory";
     const TrajectoryComparison whole = compare_trajectories(a.trajectories.at(engine_a), b.trajectories.at(engine_b));
@@ -89,6 +93,10 @@ void CompareCommand::execute() const {
     const bool both_have_events = a.events.count(engine_a) > 0 && b.events.count(engine_b) > 0;
     const EventComparison events =
         both_have_events ? compare_events(events_of(a, engine_a), events_of(b, engine_b)) : EventComparison{};
+    // A file is a measurement, held against a run.
+    const bool alike = engine_a == engine_b && !engine_a.empty();
+    const auto rows = validation_rows(alike ? Likeness::same_law : Likeness::native, trajectory, events);
+    table_text += csv_text(second, first, name, rows);
     if (json) {
       all[name] = to_json(trajectory);
       if (both_have_events) all[name]["events"] = to_json(events);
@@ -99,7 +107,11 @@ void CompareCommand::execute() const {
                                                 trajectory.samples)));
     fmt::print("{}", differences_text(trajectory.signals, style));
     if (both_have_events) fmt::print("\n{}", event_differences_text(events, first, second, style));
-    fmt::print("\n");
+    fmt::print("\n{}\n\n", validation_text(rows));
+  }
+  if (!table.empty()) {
+    std::ofstream stream(table);
+    if (!(stream << table_text).flush()) throw std::runtime_error("cannot write '" + table + "'");
   }
   if (json) fmt::print("{}\n", all.dump(2));
 }
@@ -116,6 +128,7 @@ void add_compare_command(CLI::App& app) {
       ->type_name("RUN|CSV");
   command->add_option("--engine", compare->engines, "Only these engines, separated by commas")->delimiter(',')->type_name("NAME,...");
   command->add_option("--signal", compare->signals, "Only these signals, separated by commas")->delimiter(',')->type_name("NAME,...");
+  command->add_option("--table", compare->table, "Write all differences with their tolerances as CSV")->type_name("FILE");
   command->add_flag("--json", compare->json, "Print JSON");
   command->footer(
       "Signals are matched by name and compared at the times of the coarser one; vectors by the length of their difference,\n"

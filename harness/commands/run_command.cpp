@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 struct RunCommand {
   std::string file, out, command_line;
   CaseOptions options;
-  bool real_time = false, quiet = false, json = false;
+  bool real_time = false, quiet = false, json = false, budget = false;
 
   void execute() const;
 };
@@ -44,6 +44,13 @@ void RunCommand::execute() const {
       return Interrupt::signal() == 0;
     };
     evaluated = evaluate(run_case(description, run_options));
+    if (budget && !evaluated.run.interrupted) {
+      bar.relabel("error budget");
+      evaluated.budget = error_budget(description, [&](double done) {
+        bar.update(done);
+        return Interrupt::signal() == 0;
+      });
+    }
   }
 
   std::vector<std::string> written;
@@ -55,11 +62,15 @@ void RunCommand::execute() const {
     fmt::print(stderr, "quayside: the results could not be written: {}\n", error.what());
     throw CLI::RuntimeError(not_completed);
   }
+  const std::string budget_lines = budget ? "\n" + budget_text(evaluated.budget) : "";
   if (json) {
     fmt::print("{}\n", summary(evaluated, command_line).dump(2));
   } else if (!quiet) {
-    fmt::print("{}\n{}: {}\n", run_text(evaluated, style_for(STDOUT_FILENO)), directory.string(), fmt::join(written, ", "));
+    fmt::print("{}{}\n{}: {}\n", run_text(evaluated, style_for(STDOUT_FILENO)), budget_lines, directory.string(), fmt::join(written, ", "));
   }
+  if (const auto& pacing = evaluated.run.pacing; pacing && !json && !quiet)
+    fmt::print("real time: {} of {} frames late ({:.2g} %), by {:.3g} ms at most\n", pacing->late, pacing->frames,
+               100.0 * static_cast<double>(pacing->late) / static_cast<double>(pacing->frames), 1e3 * pacing->latest_s);
   std::fflush(stdout);
 
   if (evaluated.run.interrupted) {
@@ -92,7 +103,9 @@ void add_run_command(CLI::App& app, const std::string& command_line) {
   CLI::App* command = app.add_subcommand("run", "Simulate a case in each engine, compare them, check its expectations");
   command->add_option("case", run->file, "Case file (YAML)")->required()->type_name("CASE");
   run->options.add_to(*command);
-  command->add_flag("--real-time", run->real_time, "Do not run faster than the clock");
+  command->add_flag("--budget", run->budget, "Tell where the error comes from: integration, contact model, scene reduction, engine; five "
+                                             "runs more, some at a hundredth of the tolerance");
+  command->add_flag("--real-time", run->real_time, "Do not run faster than the clock; tells how many output intervals came late");
   command->add_option("--out", run->out, "Where results go (default: runs/<case>)")->type_name("DIR");
   command->add_flag("--quiet", run->quiet, "Print nothing but errors");
   command->add_flag("--json", run->json, "Print summary.json in place of the tables");

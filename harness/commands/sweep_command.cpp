@@ -10,6 +10,7 @@
 #include "harness/commands/commands.h"
 #include "harness/commands/interrupt.h"
 #include "harness/plot.h"
+#include "harness/report/sweep_report.h"
 #include "harness/sweep.h"
 #include "harness/terminal.h"
 
@@ -19,43 +20,59 @@ namespace {
 namespace fs = std::filesystem;
 
 struct SweepCommand {
-  std::string file, out;
+  std::vector<std::string> paths;
+  std::string out = "runs", command_line;
   CaseOptions options;
+  std::vector<std::string> integrators{"bdf", "adams", "erk", "dirk", "merson", "cpodes", "rk4", "implicit", "euler"};
+  std::vector<std::string> contacts{""};
   std::vector<double> tolerances{1e-4, 1e-5, 1e-6, 1e-7, 1e-8};
   std::vector<double> steps{1e-2, 5e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4};
   SweepOptions sweep;
 
   void execute();
+  void sweep_case(const fs::path& file);
 };
 
 std::string csv_text(const Sweep& sweep) {
-  std::string text = "engine,setting,wall [s],real_time_factor,error_rms [m],error_max [m],steps,rhs_evaluations,front,failure\n";
+  std::string text =
+      "engine,integrator,contact,setting,wall [s],real_time_factor,error_rms [m],error_max [m],steps,rhs_evaluations,front,"
+      "failure\n";
   for (const SweepPoint& p : sweep.points)
-    text += fmt::format("{},{},{},{},{},{},{},{},{},\"{}\"\n", p.contender.engine, p.contender.setting, p.median_wall_s(),
-                        sweep.simulated_s / p.median_wall_s(), p.failure ? "" : fmt::to_string(p.rms),
-                        p.failure ? "" : fmt::to_string(p.max), p.steps, p.rhs_evaluations,
-                        on_front(p, sweep.points) ? "yes" : "no", p.failure.value_or(""));
+    text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},\"{}\"\n", p.contender.engine, p.contender.integrator,
+                        p.contender.contact, p.contender.setting, p.median_wall_s(),
+                        p.failure ? "" : fmt::to_string(sweep.simulated_s / p.median_wall_s()),
+                        p.failure ? "" : fmt::to_string(p.rms), p.failure ? "" : fmt::to_string(p.max), p.steps,
+                        p.rhs_evaluations, on_front(p, sweep.points) ? "yes" : "no", p.failure.value_or(""));
   return text;
 }
 
+// A curve for each contender, failures counted in its label; points on the front are filled.
 std::string chart(const Sweep& sweep, const std::string& title) {
-  Panel panel{"wall time per simulated second [s]", {}};
-  for (const SweepPoint& p : sweep.points) {
-    if (p.failure) continue;
-    if (panel.curves.empty() || panel.curves.back().label != p.contender.engine)
-      panel.curves.push_back({p.contender.engine, {}, {}});
-    panel.curves.back().x.push_back(p.rms);
-    panel.curves.back().y.push_back(p.median_wall_s() / sweep.simulated_s);
+  Panel panel{"wall time per simulated second [s]; filled: on the front", {}};
+  for (std::size_t i = 0; i < sweep.points.size();) {
+    const std::string label = sweep.points[i].contender.label();
+    Curve curve{label, {}, {}, {}};
+    int failed = 0;
+    for (; i < sweep.points.size() && sweep.points[i].contender.label() == label; ++i) {
+      const SweepPoint& p = sweep.points[i];
+      failed += p.failure.has_value();
+      if (p.failure) continue;
+      curve.x.push_back(p.rms);
+      curve.y.push_back(p.median_wall_s() / sweep.simulated_s);
+      curve.emphasized.push_back(on_front(p, sweep.points));
+    }
+    if (failed > 0) curve.label += fmt::format(" ({} failed)", failed);
+    panel.curves.push_back(std::move(curve));
   }
-  if (panel.curves.empty()) panel.curves.push_back({"no run succeeded", {}, {}});
+  if (panel.curves.empty()) panel.curves.push_back({"nothing was run", {}, {}, {}});
   return svg_plot(title, {"error: rms distance to the converged reference [m]", true, true, true}, {panel});
 }
 
 void print(const Sweep& sweep) {
-  fmt::print("{:<16} {:>9} {:>10} {:>12} {:>12} {:>9} {:>12}\n", "engine", "setting", "wall [s]", "rms [m]", "max [m]",
+  fmt::print("{:<32} {:>9} {:>10} {:>12} {:>12} {:>9} {:>12}\n", "engine", "setting", "wall [s]", "rms [m]", "max [m]",
              "steps", "evaluations");
   for (const SweepPoint& p : sweep.points) {
-    fmt::print("{:<16} {:>9.3g} {:>10.3g} ", p.contender.engine, p.contender.setting, p.median_wall_s());
+    fmt::print("{:<32} {:>9.3g} {:>10.3g} ", p.contender.label(), p.contender.setting, p.median_wall_s());
     if (p.failure) fmt::print("failed: {}\n", *p.failure);
     else
       fmt::print("{:>12.3g} {:>12.3g} {:>9} {:>12}{}\n", p.rms, p.max, p.steps, p.rhs_evaluations,
@@ -65,18 +82,11 @@ void print(const Sweep& sweep) {
   if (second.failure) fmt::print("The second reference failed: {}\n", *second.failure);
   else if (!second.wall_s.empty())
     fmt::print("The two references, {} at {:g} and the first, are {:.3g} m apart (rms; at most {:.3g} m).\n",
-               second.contender.engine, second.contender.setting, second.rms, second.max);
+               second.contender.label(), second.contender.setting, second.rms, second.max);
 }
 
-void SweepCommand::execute() {
+void SweepCommand::sweep_case(const fs::path& file) {
   const cases::Case description = options.load(file);
-  const fs::path directory = out.empty() ? fs::path("runs") / (description.name + "_sweep") : fs::path(out);
-  fs::create_directories(directory);
-  sweep.full_scene = options.full_scene;
-  for (const std::string& engine : options.engines)
-    for (const double setting : engine == "simbody" ? tolerances : steps) sweep.contenders.push_back({engine, setting});
-
-  const Interrupt interrupt;
   Sweep result;
   {
     ProgressBar bar(description.name, true);
@@ -86,23 +96,59 @@ void SweepCommand::execute() {
     };
     result = harness::sweep(description, sweep);
   }
-  for (const auto& [name, text] : {std::pair{"sweep.csv", csv_text(result)},
-                                   std::pair{"sweep.svg", chart(result, "Speed against error: " + description.title)}}) {
-    std::ofstream stream(directory / name);
-    if (!(stream << text).flush()) throw std::runtime_error("cannot write '" + (directory / name).string() + "'");
+  const std::string stem = (fs::path(out) / (description.name + "_sweep")).string();
+  for (const auto& [name, text] : {std::pair{stem + ".csv", csv_text(result)},
+                                   std::pair{stem + ".svg", chart(result, "Speed against error: " + description.title)}}) {
+    std::ofstream stream(name);
+    if (!(stream << text).flush()) throw std::runtime_error("cannot write '" + name + "'");
   }
   print(result);
-  fmt::print("{}: sweep.csv, sweep.svg\n", directory.string());
+  report::write_sweep_report(stem + ".html", description, result, command_line);
+  fmt::print("{0}.csv, {0}.svg, {0}.html\n", stem);
+  std::fflush(stdout);
   if (result.interrupted) throw CLI::RuntimeError(stopped_by_signal + Interrupt::signal());
+}
+
+void SweepCommand::execute() {
+  fs::create_directories(out);
+  sweep.full_scene = options.full_scene;
+  sweep.contenders = contenders(options.engines, integrators, contacts, tolerances, steps);
+  const Interrupt interrupt;
+  std::size_t failed = 0;
+  const std::vector<fs::path> files = case_files(paths);
+  for (const fs::path& file : files) {
+    try {
+      sweep_case(file);
+    } catch (const std::runtime_error& error) {
+      if (files.size() == 1 || Interrupt::signal() != 0) throw;
+      fmt::print(stderr, "quayside: {}: {}\n", file.string(), error.what());
+      ++failed;
+    }
+  }
+  if (failed > 0) throw CLI::RuntimeError(not_completed);
 }
 
 }  // namespace
 
-void add_sweep_command(CLI::App& app) {
+void add_sweep_command(CLI::App& app, const std::string& command_line) {
   auto sweep = std::make_shared<SweepCommand>();
-  CLI::App* command = app.add_subcommand("sweep", "Speed against error over engines and their tolerances or steps");
-  command->add_option("case", sweep->file, "Case file (YAML)")->required()->type_name("CASE");
+  sweep->command_line = command_line;
+  CLI::App* command = app.add_subcommand("sweep", "Speed against error over engines, integrators, contact models, tolerances and steps");
+  command->add_option("paths", sweep->paths, "Case files, and directories of them")->required()->type_name("CASE|DIR...");
   sweep->options.add_to(*command);
+  command->add_option("--integrators", sweep->integrators, "Integrators: of Simbody bdf, adams (CVODES), erk, dirk (ARKODE), merson, "
+                                                           "feldberg, rk3, cpodes (its own); of MuJoCo rk4, implicit, euler")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"bdf", "adams", "erk", "dirk", "merson", "feldberg", "rk3", "cpodes", "rk4", "implicit", "euler"})
+                  .description(""))
+      ->type_name("NAME,...")
+      ->capture_default_str();
+  command->add_option("--contacts", sweep->contacts, "Contact models to vary: exact, committee, learned (default: the case's)")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"exact", "committee", "learned"}).description(""))
+      ->type_name("NAME,...");
+  command->add_option("--time-limit", sweep->sweep.time_limit, "A contender that steps longer has failed [s]")
+      ->check(CLI::PositiveNumber.description(""))->capture_default_str();
   command->add_option("--tolerances", sweep->tolerances, "Relative tolerances of Simbody")->delimiter(',')->capture_default_str();
   command->add_option("--steps", sweep->steps, "Steps of MuJoCo [s]")->delimiter(',')->capture_default_str();
   command->add_option("--repeat", sweep->sweep.repetitions, "Runs of each setting, interleaved; the median counts")
@@ -111,12 +157,14 @@ void add_sweep_command(CLI::App& app) {
       ->capture_default_str();
   command->add_option("--second-reference", sweep->sweep.second_reference.setting, "Step of the second reference (MuJoCo, same law) [s]")
       ->capture_default_str();
-  command->add_option("--out", sweep->out, "Where results go (default: runs/<case>_sweep)")->type_name("DIR");
+  command->add_option("--out", sweep->out, "Where <case>_sweep.csv, .svg and .html go")->capture_default_str()->type_name("DIR");
   command->footer(
       "The error is the rms distance of positions to a converged reference; the distance of a second, independent reference\n"
-      "tells how far it can be trusted. Wall times are those of stepping alone.\n\n"
-      "Example:\n"
-      "  quayside sweep cases/land_on_stack.yaml --engine simbody,mujoco_same_law --repeat 5");
+      "tells how far it can be trusted. Wall times are medians, of stepping alone.\n\n"
+      "Examples:\n"
+      "  quayside sweep cases/land_on_stack.yaml --engine simbody,mujoco_same_law --repeat 5\n"
+      "  quayside sweep cases/land_on_stack.yaml --engine simbody --integrators bdf --contacts exact,committee,learned\n"
+      "  quayside sweep cases --out tests/benchmarks/results");
   command->callback([sweep] { sweep->execute(); });
 }
 

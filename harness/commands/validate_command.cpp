@@ -10,6 +10,7 @@
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
+#include <fstream>
 #include <memory>
 #include <new>
 #include <numeric>
@@ -22,8 +23,11 @@
 #include "harness/commands/commands.h"
 #include "harness/commands/interrupt.h"
 #include "harness/output_directory.h"
+#include "harness/report/run_report.h"
+#include "harness/report/validation_report.h"
 #include "harness/run_text.h"
 #include "harness/terminal.h"
+#include "harness/validation.h"
 
 namespace quayside::harness {
 
@@ -35,32 +39,18 @@ constexpr auto kPollInterval = std::chrono::milliseconds(20);  // of the process
 
 struct ValidateCommand {
   std::vector<std::string> paths{"cases"};
-  std::string out, command_line;
+  std::string out, table, command_line;
   CaseOptions options;
   unsigned jobs = std::max(1u, std::thread::hardware_concurrency());
   bool json = false;
 
   void execute() const;
   std::vector<fs::path> cases() const;
-  int run_one(const fs::path& file, std::atomic<float>& progress, std::FILE* report) const;
+  int run_one(const fs::path& file, std::atomic<float>& progress, std::FILE* report, std::FILE* rows) const;
 };
 
-// Files as given, directories by their *.yaml in the order of their names.
 std::vector<fs::path> ValidateCommand::cases() const {
-  std::vector<fs::path> files;
-  for (const std::string& path : paths) {
-    std::error_code ignored;  // what is no directory is for the loader to judge
-    if (!fs::is_directory(path, ignored)) {
-      files.emplace_back(path);
-      continue;
-    }
-    std::vector<fs::path> inside;
-    for (const auto& entry : fs::directory_iterator(path))
-      if (entry.path().extension() == ".yaml") inside.push_back(entry.path());
-    if (inside.empty()) throw cases::CaseError(path + ": holds no case, expected files *.yaml");
-    std::sort(inside.begin(), inside.end());
-    files.insert(files.end(), inside.begin(), inside.end());
-  }
+  const std::vector<fs::path> files = case_files(paths);
   if (!out.empty()) {
     std::set<std::string> names;
     for (const fs::path& file : files)
@@ -71,8 +61,9 @@ std::vector<fs::path> ValidateCommand::cases() const {
   return files;
 }
 
-// Runs one case and tells about it in `report`. Returns the exit code that this case alone would have.
-int ValidateCommand::run_one(const fs::path& file, std::atomic<float>& progress, std::FILE* report) const {
+// Runs one case and tells about it in `report`, and in `rows` how far the engines are apart. Returns the exit code that this case alone would have.
+int ValidateCommand::run_one(const fs::path& file, std::atomic<float>& progress, std::FILE* report,
+                             std::FILE* rows) const {
   const Style style = style_for(STDOUT_FILENO);
   const std::string name = file.stem().string();
   const auto tell = [&](const std::string& mark, const std::string& text) { fmt::print(report, "{} {}: {}\n", mark, name, text); };
@@ -102,13 +93,22 @@ int ValidateCommand::run_one(const fs::path& file, std::atomic<float>& progress,
   } catch (const std::runtime_error& error) {
     return refuse(error.what());
   }
-  if (!out.empty()) write_output(fs::path(out) / name, evaluated, command_line);
+  if (!out.empty()) {
+    write_output(fs::path(out) / name, evaluated, command_line);
+    report::write_run_report(fs::path(out) / name, evaluated, command_line);
+  }
 
   const double took = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   const auto count = [&](Verdict verdict) {
     return std::count_if(evaluated.expectations.begin(), evaluated.expectations.end(),
                          [&](const ExpectationResult& result) { return result.verdict == verdict; });
   };
+  std::vector<std::pair<std::string, std::vector<ValidationRow>>> validations;
+  for (const EngineComparison& c : evaluated.comparisons) {
+    const Likeness likeness = c.engine == "mujoco" || c.reference == "mujoco" ? Likeness::native : Likeness::same_law;
+    validations.emplace_back(c.engine, validation_rows(likeness, c.trajectory, c.events));
+    fmt::print(rows, "{}", csv_text(name, c.reference, c.engine, validations.back().second));
+  }
   const bool good = evaluated.completed() && evaluated.expectations_hold() && !evaluated.run.interrupted;
   if (json) {
     fmt::print(report, "{}", summary(evaluated, command_line).dump());
@@ -117,6 +117,7 @@ int ValidateCommand::run_one(const fs::path& file, std::atomic<float>& progress,
     if (count(Verdict::not_checked) > 0) line += fmt::format(", {} not checked", count(Verdict::not_checked));
     if (evaluated.run.interrupted) line += ", interrupted";
     tell(good ? style.good("✓") : style.bad("✗"), fmt::format("{} ({})", line, format_duration(took)));
+    for (const auto& [engine, all] : validations) fmt::print(report, "    {}: {}\n", engine, validation_text(all));
     for (const EngineRun& engine : evaluated.run.engines)
       if (engine.failure) fmt::print(report, "    {}\n", failure_text(engine));
     std::vector<ExpectationResult> failing;
@@ -133,8 +134,10 @@ int ValidateCommand::run_one(const fs::path& file, std::atomic<float>& progress,
 struct Job {
   fs::path file;
   pid_t process = 0;
-  std::FILE* report = nullptr;  // an unnamed file that both processes see
+  std::FILE* report = nullptr;  // unnamed files that both processes see
+  std::FILE* rows = nullptr;
   std::string text;             // its contents, when the process has ended
+  std::string table;
   int exit_code = -1;           // -1: not ended
 };
 
@@ -191,18 +194,20 @@ void ValidateCommand::execute() const {
     while (running < jobs && started < all.size() && Interrupt::signal() == 0) {
       Job& job = all[started];
       job.report = std::tmpfile();
-      if (job.report == nullptr) throw std::runtime_error(fmt::format("no temporary file: {}", std::strerror(errno)));
+      job.rows = std::tmpfile();
+      if (job.report == nullptr || job.rows == nullptr) throw std::runtime_error(fmt::format("no temporary file: {}", std::strerror(errno)));
       std::fflush(nullptr);  // or the child writes it a second time
       job.process = fork();
       if (job.process < 0) throw std::runtime_error(fmt::format("no new process: {}", std::strerror(errno)));
       if (job.process == 0) {
         int code = not_completed;
         try {
-          code = run_one(job.file, progress[started], job.report);
+          code = run_one(job.file, progress[started], job.report, job.rows);
         } catch (const std::exception& error) {
           fmt::print(job.report, "{} {}: {}\n", style.bad("✗"), job.file.stem().string(), error.what());
         }
         std::fflush(job.report);
+        std::fflush(job.rows);
         _exit(code);
       }
       ++started;
@@ -217,6 +222,8 @@ void ValidateCommand::execute() const {
       job.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : not_completed;
       job.text = contents(job.report);
       std::fclose(job.report);
+      job.table = contents(job.rows);
+      std::fclose(job.rows);
       if (WIFSIGNALED(status))
         job.text += fmt::format("{} {}: its process ended by signal {} ({})\n", style.bad("✗"), job.file.stem().string(),
                                 WTERMSIG(status), strsignal(WTERMSIG(status)));
@@ -234,6 +241,21 @@ void ValidateCommand::execute() const {
   }
   bar.clear();
 
+  if (!table.empty()) {
+    std::ofstream stream(table);
+    stream << kValidationHeader;
+    for (const Job& job : all) stream << job.table;
+    if (!stream.flush()) throw std::runtime_error("cannot write '" + table + "'");
+  }
+  if (!out.empty()) {
+    std::vector<report::ValidatedCase> validated;
+    for (const Job& job : all) {
+      const bool told = job.exit_code == input_refused || job.exit_code == -1;
+      validated.push_back({job.file.stem().string(), job.exit_code, told ? job.text : ""});
+    }
+    fs::create_directories(out);
+    report::write_validation_report(out, validated, command_line);
+  }
   if (json) {
     std::string separator;
     fmt::print("[");
@@ -268,16 +290,22 @@ void add_validate_command(CLI::App& app, const std::string& command_line) {
   command->add_option("--jobs", validate->jobs, "Cases at a time, each in a process of its own (default: one per core)")
       ->check(CLI::Range(1, 1024).description(""))
       ->type_name("N");
-  command->add_option("--out", validate->out, "Keep the results of each case in DIR/<case>")->type_name("DIR");
+  command->add_option("--out", validate->out, "Keep the results of each case in DIR/<case>, and a report of all in DIR/report.html")->type_name("DIR");
+  command->add_option("--table", validate->table, "Write how far the engines are apart in every signal and event, with tolerances and "
+                                                  "their reasons, as CSV")
+      ->type_name("FILE");
   command->add_flag("--json", validate->json, "Print the summaries of all cases as a JSON list");
   command->footer(
-      "One line per case, and a table of the expectations that do not hold.\n\n"
+      "One line per case and per engine that is held against simbody, and a table of the expectations that do not hold.\n"
+      "Tolerances of --table tell where engines differ more than their integrators or models explain; whether a case is good\n"
+      "is for its expectations to say.\n\n"
       "Exit codes: 0 all hold, 1 an expectation failed, 2 a case was refused, 3 a simulation could not be completed,\n"
       "130 stopped by Ctrl-C.\n\n"
       "Examples:\n"
       "  quayside validate cases\n"
       "  quayside validate cases/free_sway.yaml --set solver.relative_tolerance=1e-8\n"
-      "  quayside validate cases --jobs 1 --out runs");
+      "  quayside validate cases --jobs 1 --out runs\n"
+      "  quayside validate cases --table tests/benchmarks/results/validation.csv");
   command->callback([validate] { validate->execute(); });
 }
 

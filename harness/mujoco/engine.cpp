@@ -8,12 +8,24 @@ namespace quayside::harness::mujoco {
 
 using crane_models::DriveMotion;
 
+namespace {
+
+int integrator(const std::string& name) {
+  if (name == "rk4") return mjINT_RK4;
+  if (name == "implicit") return mjINT_IMPLICIT;
+  if (name == "euler") return mjINT_EULER;
+  throw std::invalid_argument("solver.mujoco_integrator: no \"" + name + "\"; expected one of rk4, implicit, euler");
+}
+
+}  // namespace
+
 Engine::Engine(std::string name, const crane_models::Scene& scene, const contact_nn::ContactSettings& contact,
                const SolverSettings& solver, std::shared_ptr<const contact_nn::ContactModule> laws,
                const std::string& mjcf)
     : SceneEngine(std::move(name), scene, solver), forces_(scene_, std::move(laws)), model_(scene_, mjcf),
       drives_now_(scene_.drives.size()), motions_(scene_.bodies.size()), loads_(forces_.make_loads()),
       rates_(integrals_.size()), step_limit_(scene_, contact, solver), reactions_(model_.driven_joints().size()) {
+  model_.model()->opt.integrator = integrator(solver.mujoco_integrator);
   sample_at_ = [this](double time, EventMonitor::Sample& sample) {
     retake_step(std::max(nanoseconds(time), point_.time));
     fill(seconds(time_), integrals_, sample);
@@ -103,7 +115,7 @@ void Engine::rewind(const Point& point) {
   reactions_ = point.reactions;
 }
 
-// One step of MuJoCo's Runge-Kutta method from `point_`, where the unit stands evaluated, and the evaluation at its
+// One step of MuJoCo's integrator from `point_`, where the unit stands evaluated, and the evaluation at its
 // end.
 //
 // The work of a drive at a joint: its rate is linear in time, v = v_m + a (t − t_m) about the middle of the step, so
@@ -116,7 +128,10 @@ void Engine::take_step(Time step) {
   m->opt.timestep = h;
   d->time = 0;
   prepare_stages(h);
-  run([m, d] { mj_RungeKutta(m, d, 4); });
+  run([m, d, this] {
+    if (runge_kutta()) mj_RungeKutta(m, d, 4);
+    else mj_step2(m, d);
+  });
 
   for (const auto& joint : model_.driven_joints()) {
     const DriveMotion motion = drive(joint.drive, 0);

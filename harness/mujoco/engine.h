@@ -33,6 +33,9 @@ class Engine : public SceneEngine {
   void fill_drives(double after);
   void write_rates(double work_in, double dissipated);
 
+  // Whether steps are those of the Runge-Kutta method, with stages between; else one of MuJoCo's Euler methods.
+  bool runge_kutta() const { return model_.model()->opt.integrator == mjINT_RK4; }
+
   ProcessHooks hooks_;
   const SceneForces forces_;
   Model model_;

@@ -27,6 +27,7 @@ SameLawEngine::SameLawEngine(const crane_models::Scene& scene, const contact_nn:
 }
 
 void SameLawEngine::prepare_stages(double) {
+  if (!runge_kutta()) return;
   stage_ = 2;
   std::fill(stage_sum_.begin(), stage_sum_.end(), 0.0);
 }
@@ -44,6 +45,10 @@ void SameLawEngine::add_passive_forces(const mjModel*, mjData* data) {
 }
 
 void SameLawEngine::integrate(double h, const std::vector<double>& rates_at_begin) {
+  if (!runge_kutta()) {
+    for (std::size_t i = 0; i < rates_.size(); ++i) integrals_[i] += 0.5 * h * (rates_at_begin[i] + rates_[i]);
+    return;
+  }
   if (stage_ != kLastStage + 1) throw MujocoError("the passive-force callback was replaced while a unit was stepping");
   for (std::size_t i = 0; i < rates_.size(); ++i) {
     integrals_[i] += h * (kOuterWeight * rates_at_begin[i] + stage_sum_[i]);
