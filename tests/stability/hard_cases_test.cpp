@@ -1,9 +1,15 @@
 // The table of hard cases, its longest parts shortened, as tests.
+#include <cctype>
+#include <ostream>
+
 #include <gtest/gtest.h>
 
 #include "tests/stability/hard_case.h"
 
 namespace quayside::harness {
+
+void PrintTo(const HardCase& hard_case, std::ostream* out) { *out << hard_case.name; }
+
 namespace {
 
 class Hard : public testing::TestWithParam<HardCase> {};

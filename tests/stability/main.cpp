@@ -60,21 +60,27 @@ void write_csv(const std::filesystem::path& file, const std::vector<Result>& res
 
 void write_markdown(const std::filesystem::path& file, const std::vector<Result>& results) {
   std::string text = "# Hard cases\n\nMade by `tests/stability/run`. A number passes when it is within the threshold of what is expected.\n";
-  std::string missed;
+  std::vector<std::pair<std::string, std::string>> missed;  // why, and what
   std::size_t count = 0, passed = 0;
   for (const Result& result : results) {
-    text += fmt::format("\n## {}\n\n{}.\n\n| | expected | threshold | measured | | threshold because |\n| --- | --- | --- | --- | --- | --- |\n",
+    text += fmt::format("\n## {}: {}\n\n| | expected | threshold | measured | | threshold because |\n| --- | --- | --- | --- | --- | --- |\n",
                         result.hard_case.name, result.hard_case.what);
     for (const Finding& f : result.findings) {
       text += fmt::format("| {} | {} | {} | {} | {} | {} |\n", f.quantity, format_quantity(f.expected, f.unit, 4),
                           format_number(f.threshold, 3), measured_text(f), f.holds() ? "pass" : "**FAIL**", f.reason);
       ++count;
       passed += f.holds();
-      if (!f.holds()) missed += fmt::format("- {}, {}: {}\n", result.hard_case.name, f.quantity, f.shortfall.empty() ? "not explained yet" : f.shortfall);
+      if (f.holds()) continue;
+      const std::string why = f.shortfall.empty() ? "not explained yet" : f.shortfall;
+      const std::string what = fmt::format("{}: {}", result.hard_case.name, f.quantity);
+      const auto same = std::find_if(missed.begin(), missed.end(), [&](const auto& entry) { return entry.first == why; });
+      if (same == missed.end()) missed.emplace_back(why, what);
+      else same->second += "; " + f.quantity;
     }
   }
   text += fmt::format("\n{} of {} pass.\n", passed, count);
-  if (!missed.empty()) text += "\n## Missed, and why\n\n" + missed;
+  if (!missed.empty()) text += "\n## Missed, and why\n\n";
+  for (const auto& [why, what] : missed) text += fmt::format("- {}. {}.\n", what, why);
   std::ofstream stream(file);
   if (!(stream << text).flush()) throw std::runtime_error("cannot write '" + file.string() + "'");
 }

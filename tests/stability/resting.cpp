@@ -48,8 +48,8 @@ void stack_of_nine(const HardCaseSettings& settings, Findings& findings) {
       }
     });
     const std::string how = offset ? " (offset by 30 and 20 mm each)" : " (aligned)";
-    const char* const why = offset ? "creep of the regularised friction, see the next line: the law, not the solver"
-                                   : "the solver's steps at rest grow until their errors are the tolerance";
+    const char* const why = offset ? "Creep of the regularised friction, see the next line: the law, not the solver"
+                                   : "The solver's steps at rest grow until their errors are the tolerance";
     findings.at_most("drift in 60 s" + how, "m", drift, 1e-4, "a tenth of a millimetre is what a user can see").short_of(1e-3, why);
     findings.at_most("largest speed in that time" + how, "m/s", speed, 1e-6, "the solver's tolerance").short_of(2e-5, why);
     if (!offset) continue;
