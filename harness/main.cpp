@@ -82,9 +82,12 @@ int main(int argc, char** argv) {
     harness::add_signals_command(app);
     harness::add_compare_command(app);
     harness::add_plot_command(app);
-    harness::add_sweep_command(app);
+    harness::add_sweep_command(app, command);
     harness::add_impacts_command(app);
     harness::add_export_command(app);
+    harness::add_export_mjcf_command(app);
+    harness::add_case_format_command(app);
+    harness::add_completion_command(app);
     harness::add_coupling_command(app);
     contact_nn::add_contact_commands(app);
     contact_nn::add_paper_commands(*app.get_subcommand("contact"));

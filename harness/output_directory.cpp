@@ -43,7 +43,7 @@ void prepare_output_directory(const fs::path& directory) {
   std::error_code error;
   fs::create_directories(directory, error);
   if (error) fail(directory, fmt::format("cannot be made ({}); name another directory with --out", error.message()));
-  std::vector<fs::path> old{directory / kSummary, directory / kEvents};
+  std::vector<fs::path> old{directory / kSummary, directory / kEvents, directory / "report.html"};
   for (const auto& entry : fs::directory_iterator(directory, error))
     if (!engine_of(entry.path()).empty()) old.push_back(entry.path());
   for (const fs::path& file : old) {

@@ -226,7 +226,15 @@ RunResult run_case(const cases::Case& description, const RunOptions& options, co
       chain->advance_to(time);
       if (options.progress && !options.progress(seconds(time), chain->engine())) result.interrupted = true;
     }
-    if (options.real_time) std::this_thread::sleep_until(begin + std::chrono::nanoseconds(time));
+    if (options.real_time) {
+      const Clock::time_point due = begin + std::chrono::nanoseconds(time);
+      if (!result.pacing) result.pacing.emplace();
+      const double late_by = std::chrono::duration<double>(Clock::now() - due).count();
+      ++result.pacing->frames;
+      result.pacing->late += late_by > 0;
+      result.pacing->latest_s = std::max(result.pacing->latest_s, late_by);
+      std::this_thread::sleep_until(due);
+    }
   }
 
   for (const auto& chain : chains) result.engines.push_back(chain->finish());

@@ -37,11 +37,19 @@ struct EngineRun {
   std::optional<std::string> failure;
 };
 
+// How a run with `real_time` kept up: a frame is a communication point, late when all engines have reached it after the
+// clock has.
+struct Pacing {
+  std::uint64_t frames = 0, late = 0;
+  double latest_s = 0;  // the most that a frame was late
+};
+
 struct RunResult {
   cases::Case description;
   crane_models::Scene scene;         // as simulated
   crane_models::ReductionReport reduction;
   std::vector<EngineRun> engines;
+  std::optional<Pacing> pacing;      // with `real_time`
   bool interrupted = false;
 };
 

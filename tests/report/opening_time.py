@@ -3,6 +3,7 @@ import os
 import sys
 import time
 
+sys.dont_write_bytecode = True  # nothing is left in the source folder
 import browser as browsers
 
 report, repeat = sys.argv[1], int(sys.argv[2]) if len(sys.argv) > 2 else 5

@@ -7,6 +7,7 @@ import sys
 import tempfile
 import unittest
 
+sys.dont_write_bytecode = True  # nothing is left in the source folder
 import browser as browsers
 
 FOLDER = os.path.dirname(os.path.abspath(__file__))

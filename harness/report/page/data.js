@@ -82,7 +82,7 @@ function number(value, digits = 4) {
     const short = mantissa.includes('.') ? mantissa.replace(/\.?0+$/, '') : mantissa;
     text = (short === '1' ? '' : short === '-1' ? '-' : short + '·') + '10' + superscript;
   } else {
-    text = value.toPrecision(Math.max(digits, size >= 1000 ? Math.ceil(Math.log10(size + 1)) : digits));
+    text = value.toPrecision(Math.max(digits, Math.ceil(Math.log10(size + 1))));
     if (text.includes('.')) text = text.replace(/\.?0+$/, '');
   }
   return text.replace(/^-/, '−');

@@ -226,7 +226,7 @@ class Player {
     this.slider.value = clock.time;
     const text = clock.time.toFixed(3);
     this.slider.setAttribute('aria-valuetext', `${text} seconds`);
-    this.timeText.innerHTML = `<b>${text}</b> of ${number(clock.duration, 5)} s`;
+    this.timeText.innerHTML = `<b>${text}</b> <span class="wordy">of ${number(clock.duration, 5)}</span> s`;
     if (this.playButton.textContent !== (clock.playing ? 'Pause' : 'Play')) this.playButton.textContent = clock.playing ? 'Pause' : 'Play';
     this.element.dataset.playing = clock.playing;
     this.redraw();

@@ -119,7 +119,7 @@ function runPage() {
   const dialog = helpDialog();
   header(summary.case.title, [summary.case.name, `${number(summary.case.duration, 6)} s`, ...Object.keys(summary.engines).map(engineName), ...summary.interrupted ? ['interrupted'] : []].join(' · '),
     element('a', {class: `pill ${state}`, href: '#expectations', id: 'verdict'}, verdict),
-    element('button', {class: 'quiet', onclick: () => dialog.showModal()}, 'Keys'));
+    element('button', {class: 'quiet wordy', onclick: () => dialog.showModal()}, 'Keys'));
 
   const engines = unpackCurves(data.curves), names = [...engines.keys()].filter(name => (engines.get(name).get('energy.kinetic')?.times.length || 0) > 0);
   const main = document.getElementById('main');
@@ -140,12 +140,20 @@ function runPage() {
     bindKeys(clock, player, dialog, interval);
     theme.listeners.push(() => player.drawMarks());
     player.engineListeners.push(() => player.drawMarks());
-    addEventListener('beforeprint', () => { for (const plot of group.plots) { plot.stale = true; plot.redraw(); } player.draw(); });
+    // Paper takes what is painted by the time this returns, of 2D canvases alone.
+    addEventListener('beforeprint', () => {
+      for (const plot of group.plots) { plot.stale = true; plot.redraw(); }
+      player.draw();
+      const {canvas} = player, paper = element('canvas', {class: 'paper', width: canvas.width, height: canvas.height});
+      paper.getContext('2d').drawImage(canvas, 0, 0);
+      canvas.before(paper);
+    });
+    addEventListener('afterprint', () => player.view.querySelector('.paper')?.remove());
   }
   const wide = made => { made?.classList.add('wide', 'long'); return made; };
   main.append(element('div', {class: 'columns'}, ...[
-    wide(expectationsCard(summary)), wide(enginesCard(summary)),
-    player ? eventsCard(events, player) : null, comparisonCard(summary), budgetCard(summary), sceneCard(summary), originCard(summary)].filter(Boolean)));
+    wide(expectationsCard(summary)), wide(enginesCard(summary)), wide(budgetCard(summary)),
+    player ? eventsCard(events, player) : null, comparisonCard(summary), sceneCard(summary), originCard(summary)].filter(Boolean)));
   const tolerances = Object.entries(data.curves.tolerance).filter(([unit]) => ['m', 'm/s', 'N', 'J', 'rad'].includes(unit))
     .map(([unit, value]) => quantity(value, unit, 2)).join(', ');
   document.getElementById('footer').append(element('p', {}, `Curves are polylines within ${tolerances} of the recorded values; the trajectories beside this file hold these in full. `
@@ -154,6 +162,3 @@ function runPage() {
   player?.resize();
   document.documentElement.dataset.ready = 'true';
 }
-
-const pages = {run: runPage};
-pages[document.documentElement.dataset.kind]();

@@ -3,7 +3,7 @@
 const verdictMark = {passed: ['good', '✓ holds'], failed: ['bad', '✗ fails'], 'not checked': ['unknown', '– not checked']};
 
 function card(title, id, ...content) {
-  return element('section', {class: 'card', 'aria-labelledby': id}, element('h2', {id}, title), ...content);
+  return element('section', {class: 'card', 'aria-labelledby': id}, element('h2', {id}, title), ...content.filter(Boolean));
 }
 
 // columns: [{title, text(row), value(row): what it sorts by, number, wide}]; options: pick(row), first order given by `rows`.
@@ -70,7 +70,7 @@ function expectationsCard({expectations}) {
   ], failuresFirst(expectations), {label: 'Expectations', sortable: false}));
 }
 
-function enginesCard({engines}) {
+function enginesCard({engines, real_time: pacing}) {
   const rows = Object.entries(engines).map(([name, e]) => ({name, ...e}));
   const share = e => e.energy.largest_exchange > 0 ? e.energy.residual / e.energy.largest_exchange : null;
   return card('Engines', 'engines', table([
@@ -84,6 +84,7 @@ function enginesCard({engines}) {
     {title: 'Fall-backs', number: true, text: e => number(e.contact_fallbacks, 7)},
     {title: 'Energy residual', number: true, text: e => `${quantity(e.energy.residual, 'J', 3)}${share(e) === null ? '' : ` (${number(share(e), 2)} of the exchange)`}`},
   ], rows, {label: 'Engines', sortable: false}),
+  pacing ? element('p', {class: 'soft'}, `Paced by the clock: ${number(pacing.late, 8)} of ${number(pacing.frames, 8)} frames late (${number(100 * pacing.late / pacing.frames, 2)} %), by ${quantity(Math.max(pacing.latest_s, 0), 's', 3)} at most.`) : null,
   ...rows.filter(e => e.failure).map(e => element('p', {class: 'message', role: 'note'}, `${engineName(e.name)} stopped: ${e.failure}`)));
 }
 
@@ -146,16 +147,18 @@ function sceneCard({scene, contact, solver}) {
       : element('p', {class: 'soft'}, 'Nothing: the scene was simulated in full.'));
 }
 
-// An object of numbers, texts and further objects, as it comes: {"total": {"value": 1e-4, "unit": "m"}, ...}.
 function budgetCard({error_budget: budget}) {
-  if (!budget) return null;
-  const rows = [];
-  const walk = (value, path) => {
-    if (value !== null && typeof value === 'object' && !('value' in value)) for (const [key, inner] of Object.entries(value)) walk(inner, [...path, key]);
-    else rows.push({path: path.join(' · ').replace(/_/g, ' '), text: typeof value === 'number' ? number(value) : value && typeof value === 'object' ? quantity(value.value, value.unit || '') : String(value)});
-  };
-  walk(budget, []);
-  return card('Error budget', 'budget', table([{title: 'Part', text: r => r.path}, {title: 'Error', number: true, text: r => r.text}], rows, {label: 'Error budget', sortable: false}));
+  if (!budget?.length) return null;
+  return card('Error budget', 'budget', table([
+    {title: 'Share of', text: r => r.share},
+    {title: 'Found by comparing', text: r => r.failure ? element('span', {class: 'verdict bad'}, r.failure) : element('span', {class: 'soft'}, r.comparison)},
+    {title: 'Position, rms', number: true, value: r => r.position?.rms, text: r => r.position ? quantity(r.position.rms, 'm', 3) : ''},
+    {title: 'Largest', number: true, value: r => r.position?.max, text: r => r.position ? quantity(r.position.max, 'm', 3) : ''},
+    {title: 'At the end', number: true, value: r => r.position?.end, text: r => r.position ? quantity(r.position.end, 'm', 3) : ''},
+    {title: 'Impulse', number: true, value: r => r.impulse?.largest_difference, text: r => r.impulse ? `${quantity(r.impulse.largest_difference, 'N s', 3)} of ${quantity(r.impulse.largest, 'N s', 3)}` : ''},
+    {title: 'Peak force', number: true, value: r => r.peak_force?.largest_difference, text: r => r.peak_force ? quantity(r.peak_force.largest_difference, 'N', 3) : ''},
+    {title: 'Impacts unmatched', number: true, value: r => r.impacts_unmatched, text: r => r.impacts_unmatched ?? ''},
+  ], budget, {label: 'Error budget'}));
 }
 
 function originCard({versions, command, case: description}) {

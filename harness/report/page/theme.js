@@ -52,8 +52,8 @@ addEventListener('beforeprint', () => { beforePrint = theme.chosen; theme.set('l
 addEventListener('afterprint', () => { if (beforePrint) theme.set(beforePrint); beforePrint = null; });
 
 function themeButton() {
-  const order = ['auto', 'light', 'dark'], label = {auto: 'Theme: system', light: 'Theme: light', dark: 'Theme: dark'};
-  const button = element('button', {class: 'quiet', id: 'theme', onclick: () => {
+  const order = ['auto', 'light', 'dark'], label = {auto: '◐ System', light: '○ Light', dark: '● Dark'};
+  const button = element('button', {class: 'quiet', id: 'theme', title: 'Theme', 'aria-description': 'Theme of the page', onclick: () => {
     theme.set(order[(order.indexOf(theme.chosen) + 1) % 3]);
     button.textContent = label[theme.chosen];
   }}, label[theme.chosen]);

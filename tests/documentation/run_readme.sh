@@ -1,0 +1,16 @@
+#!/bin/sh
+# Runs the commands of README.md, in their order, in an empty folder beside a copy of the cases. Those that take long say so
+# in their comment ("minutes"), and are left out.
+#
+#   run_readme.sh PROGRAM SOURCE_TREE
+set -eu
+program=$1 source=$2 here=$(cd "$(dirname "$0")" && pwd)
+place=$(mktemp -d)
+trap 'rm -rf "$place"' EXIT
+cp -r "$source/cases" "$place/cases"
+cd "$place"
+grep -v minutes "$source/README.md" | awk -f "$here/shown_commands.awk" | grep -vE '^(test|package)' >commands
+while IFS= read -r command; do
+  echo "quayside $command"
+  eval "\"$program\" $command" >output 2>&1 </dev/null || { cat output; exit 1; }
+done <commands
