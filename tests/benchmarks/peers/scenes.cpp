@@ -114,6 +114,13 @@ std::vector<Scene> make_scenes(std::size_t poses, std::uint64_t seed) {
       [&](Random& r) { return any_boxes(touching, r); },
       [](const Manifold& m) { return as_deep_as_wanted(m) && m.contact_class != ContactClass::edge_edge && m.count == 1; }));
   all.push_back(scene(
+      "grazing", "cubes and containers, any pose and landings, a nanometre to 0.01 mm deep", true, poses, random,
+      [&](Random& r) {
+        const GapRange grazing{kLeastDepth, 0};
+        return r.uniform() < 0.5 ? any_boxes(grazing, r) : containers(PoseDomain::landing, grazing, r);
+      },
+      [](const Manifold& m) { return m.gap <= -kLeastGrazing && m.gap >= -kLeastDepth && m.count > 0; }));
+  all.push_back(scene(
       "separated", "cubes and containers, 0.1 mm to 1 m apart", false, poses, random,
       [&](Random& r) {
         return r.uniform() < 0.5 ? any_boxes(apart, r) : containers(PoseDomain::landing, apart, r);

@@ -15,9 +15,11 @@ struct Scene {
 };
 
 // The depths and gaps that are drawn [m]. Depths from a hundredth of a millimetre, where single precision ends, to a hundredth of
-// a metre, which a container reaches in a hard landing: deeper, "the" impact point means less and less.
+// a metre, which a container reaches in a hard landing: deeper, "the" impact point means less and less. Shallower ones have a
+// scene of their own.
 inline constexpr double kLeastDepth = 1e-5;
 inline constexpr double kGreatestDepth = 1e-2;
+inline constexpr double kLeastGrazing = 1e-9;
 inline constexpr double kLeastGap = 1e-4;
 inline constexpr double kGreatestGap = 1;
 
