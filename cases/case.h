@@ -22,17 +22,29 @@ class CaseError : public std::runtime_error {
 
 enum class ContainerType { iso20, iso40, iso40_high_cube, iso45 };  // "20ft", "40ft", "40ft_hc", "45ft"
 
-struct DriveSpec {  // what is not given comes from the machine
+// What is not given comes from the machine. Of angles all in degrees instead of m.
+struct DriveSpec {
+  std::optional<double> position;          // at the start [m]
   std::optional<double> max_speed;         // [m/s]
   std::optional<double> max_acceleration;  // [m/s²]
+  std::optional<double> max_jerk;          // [m/s³]; 0: the acceleration may jump
+  std::optional<double> emergency_stop;    // its deceleration [m/s²]
 };
 
 struct CraneSpec {
-  std::string type = "none";               // "quayside" or "none"
+  std::string type = "none";               // "quayside", "rtg", "reach_stacker" or "none"
+  // quayside, rtg
   double trolley_position = 0;             // along the boom, y of the world [m]
   double trolley_height = 0;               // of the upper sheaves above the ground [m]
   double rope_length = 0;                  // rest length of the hoist ropes at the start [m]
-  DriveSpec trolley, hoist;
+  DriveSpec gantry, trolley, hoist;        // no gantry position: the crane does not travel
+  double trim = 0, list = 0, rope_skew = 0;  // differences of rope length [m]
+  // reach_stacker
+  DriveSpec travel, boom, telescope, rotation, side_shift;
+  std::optional<double> pivot_damping;     // of each pivot [N m s/rad]
+  // What trips the machine; not given: nothing does.
+  std::optional<double> overload;          // load under the ropes, spreader and all [kg]
+  std::optional<double> snag;              // tension of any one rope group [N]
   std::optional<Eigen::Vector2d> trolley_sheaves;   // rectangle along x and y [m]
   std::optional<Eigen::Vector2d> spreader_sheaves;  // [m]
   std::optional<double> rope_stiffness;             // EA of one group [N]
@@ -41,9 +53,32 @@ struct CraneSpec {
 
 struct SpreaderSpec {
   ContainerType size = ContainerType::iso40;
+  bool twin = false;                        // two 20 ft containers; `size` is then iso40
+  bool flippers = false;                    // guides at its corners, down
+  std::vector<std::string> picks_up;        // containers that its open twistlocks can close on
   double skew = 0;                          // about the vertical [degrees]
   std::optional<double> mass;               // spreader and headblock together [kg]
   std::optional<double> lock_stiffness;     // per twistlock [N/m]
+};
+
+// A tractor with its trailer.
+struct MafiSpec {
+  Eigen::Vector2d position = Eigen::Vector2d::Zero();  // of the middle of the deck [m]
+  double heading = 0;                                  // of its path against the world's x [degrees]
+  DriveSpec drive;
+  ContainerType size = ContainerType::iso40;           // for which the corner guides stand
+  std::optional<double> deck_height;                   // [m]
+  std::optional<double> deck_mass;                     // [kg]
+  std::optional<double> stiffness, damping_ratio;      // of the suspension: one of four springs [N/m], and -
+  bool guides = true;
+  bool twistlocks = false;                             // hold what stands on it
+  std::vector<std::string> stuck;                      // "front_left", ...: twistlocks that do not open
+};
+
+// Wind over everything that can move; the script sets its speed.
+struct WindSpec {
+  double direction = 0;  // where to, against the world's x towards y [degrees]
+  double drag = 1.2;     // coefficient of a box
 };
 
 struct ContainerSpec {
@@ -51,12 +86,23 @@ struct ContainerSpec {
   ContainerType type = ContainerType::iso40;
   double mass = 0;                                   // gross [kg]
   bool on_spreader = false;                          // "on: spreader"
+  bool on_mafi = false;                              // "on: mafi"
   std::optional<std::string> on_top_of;              // name of another container, offset by `offset`
   Eigen::Vector2d offset = Eigen::Vector2d::Zero();  // of the position on the lower one, along its edges [m]
   Eigen::Vector3d position = Eigen::Vector3d::Zero();
   double yaw = 0;                                    // against the world, or the container it stands on [degrees]
   Eigen::Vector3d centre_of_gravity = Eigen::Vector3d::Zero();  // from the box's centre [m]
   bool fixed = false;                                // part of the ground
+};
+
+// Containers of one kind in a block: bays along x, rows along y, so many tiers high, called NAME_bay_row_tier from 1 on.
+struct StackSpec {
+  std::string name;
+  ContainerType type = ContainerType::iso40;
+  double mass = 0;                                         // of each [kg]
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();      // of the bottom of the first
+  int bays = 1, rows = 1, tiers = 1;
+  Eigen::Vector2d spacing = Eigen::Vector2d::Zero();       // from bay to bay, from row to row [m]
 };
 
 struct BodySpec {
@@ -91,13 +137,15 @@ struct SolverSpec {
 
 // A line of the script. It fires once, `after` seconds from the moment its condition first holds, and gives commands.
 struct ScriptEntry {
-  enum class Condition { at, landed, signal_above, signal_below };
+  enum class Condition { at, landed, contact, locked, signal_above, signal_below };
   Condition condition = Condition::at;
   double time = 0;         // at [s]
   std::string signal;      // signal_above, signal_below
   double threshold = 0;
   double after = 0;        // [s]
-  std::vector<std::pair<std::string, double>> speeds;   // drive and speed [m/s]
+  std::vector<std::pair<std::string, double>> speeds;   // drive and speed [m/s; of angles degrees/s]
+  std::vector<std::pair<std::string, double>> ramps;    // drive and time within which it gets there [s]
+  bool emergency_stop = false;                          // of all drives, for good
   std::vector<std::pair<std::string, bool>> commands;   // "twistlocks": closed?
 };
 
@@ -151,7 +199,10 @@ struct Case {
   double duration = 0;  // [s]
   CraneSpec crane;
   std::optional<SpreaderSpec> spreader;
+  std::optional<MafiSpec> mafi;
+  std::optional<WindSpec> wind;
   std::vector<ContainerSpec> containers;
+  std::vector<StackSpec> stacks;
   std::vector<BodySpec> bodies;
   bool ground = true;   // a flat ground at z = 0
   Eigen::Vector3d gravity{0, 0, -9.81};

@@ -118,20 +118,22 @@ void read_units(const Mapping& root, Case& result) {
 Case read_case(const Value& document) {
   Case result;
   const Mapping root =
-      document.mapping({"title", "duration", "crane", "spreader", "containers", "bodies", "ground", "gravity",
-                        "contact", "solver", "allow_overlap", "output", "units", "connections", "master", "coupling",
-                        "script", "expect"});
+      document.mapping({"title", "duration", "crane", "spreader", "mafi", "wind", "containers", "stacks", "bodies", "ground",
+                        "gravity", "contact", "solver", "allow_overlap", "output", "units", "connections", "master",
+                        "coupling", "script", "expect"});
   result.title = root["title"].text();
   result.duration = root["duration"].number(kDuration);
   if (const auto crane = root.find("crane")) result.crane = read_crane(*crane);
-  const Context context{result.crane.type != "none", result.duration};
+  if (const auto mafi = root.find("mafi")) result.mafi = read_mafi(*mafi);
+  if (const auto wind = root.find("wind")) result.wind = read_wind(*wind);
+  const Context context{result.crane.type != "none", result.mafi.has_value(), result.wind.has_value(), result.duration};
 
   if (const auto spreader = root.find("spreader")) result.spreader = read_spreader(*spreader, context);
   if (context.has_crane && !result.spreader)
     root["spreader"].expected("the spreader that hangs on the crane's ropes, e.g. {size: 40ft}");
   read_loads(root, context, result);
   const auto moves = [](const auto& object) { return !object.fixed; };
-  if (!context.has_crane && std::none_of(result.containers.begin(), result.containers.end(), moves) &&
+  if (!context.has_crane && !context.has_mafi && std::none_of(result.containers.begin(), result.containers.end(), moves) &&
       std::none_of(result.bodies.begin(), result.bodies.end(), moves)) {
     document.refuse("nothing in it can move, expected a crane, or a container or body that is not fixed");
   }

@@ -18,9 +18,13 @@ double read_time(const Value& value, const Context& context) {
 void read_condition(const Value& when, const Context& context, ScriptEntry& entry) {
   using Condition = ScriptEntry::Condition;
   if (!when.is_mapping()) {
-    if (!when.is_scalar("landed")) when.expected("{signal: ..., above | below: ...} or one of: landed");
+    if (!when.is_scalar("landed") && !when.is_scalar("contact") && !when.is_scalar("locked")) {
+      when.expected("{signal: ..., above | below: ...} or one of: landed, contact, locked");
+    }
     if (!context.has_crane) when.refuse("there is no crane that lands anything, expected 'at' or a signal");
-    entry.condition = Condition::landed;
+    entry.condition = when.is_scalar("landed")    ? Condition::landed
+                      : when.is_scalar("contact") ? Condition::contact
+                                                  : Condition::locked;
     return;
   }
   const Mapping mapping = when.mapping({"signal", "above", "below"});
@@ -86,7 +90,8 @@ void read_event_expectation(const Value& value, const Context& context, Expectat
   const Mapping mapping = value.mapping({"event", "subject", "between", "engine", "why"});
   expectation.kind = Expectation::Kind::event;
   expectation.event = mapping["event"].word(
-      {"contact_made", "contact_broken", "rope_slack", "rope_taut", "landed", "lifted", "lock_closed", "lock_opened"});
+      {"contact_made", "contact_broken", "rope_slack", "rope_taut", "landed", "lifted", "lock_closed", "lock_opened",
+       "lock_refused", "tripped", "stopped"});
   if (const auto subject = mapping.find("subject")) expectation.subject = subject->text();
   const Value between = mapping["between"];
   const Eigen::Vector2d window = between.vector<2>(kTime);
@@ -102,9 +107,26 @@ void read_event_expectation(const Value& value, const Context& context, Expectat
 
 }  // namespace
 
+namespace {
+
+// A speed, or {speed, within} for a ramp that takes as long.
+void read_speed(const char* drive, const Value& value, const Range& range, ScriptEntry& entry) {
+  if (!value.is_mapping()) {
+    entry.speeds.emplace_back(drive, value.number(range));
+    return;
+  }
+  const Mapping ramp = value.mapping({"speed", "within"});
+  entry.speeds.emplace_back(drive, ramp["speed"].number(range));
+  entry.ramps.emplace_back(drive, ramp["within"].number(kRampTime));
+}
+
+}  // namespace
+
 ScriptEntry read_script_entry(const Value& value, const Context& context) {
   ScriptEntry entry;
-  const Mapping mapping = value.mapping({"at", "when", "after", "hoist", "trolley", "twistlocks"});
+  const Mapping mapping =
+      value.mapping({"at", "when", "after", "gantry", "trolley", "hoist", "travel", "boom", "telescope", "rotation",
+                     "side_shift", "mafi", "wind", "twistlocks", "mafi_twistlocks", "emergency_stop"});
   const auto at = mapping.find("at"), when = mapping.find("when"), after = mapping.find("after");
   if (at.has_value() == when.has_value())
     value.refuse("when it happens is not clear, expected exactly one of: at, when");
@@ -113,15 +135,31 @@ ScriptEntry read_script_entry(const Value& value, const Context& context) {
   if (after && at) after->refuse("a delay after a known time, expected the sum under 'at'");
   if (after) entry.after = after->number(kTime);
 
-  for (const char* drive : {"hoist", "trolley"}) {
-    if (const auto speed = mapping.find(drive)) entry.speeds.emplace_back(drive, speed->number(kDriveSpeed));
+  for (const char* drive : {"gantry", "hoist", "trolley", "travel", "telescope", "side_shift", "mafi"}) {
+    if (const auto speed = mapping.find(drive)) read_speed(drive, *speed, kDriveSpeed, entry);
   }
-  if (const auto twistlocks = mapping.find("twistlocks")) {
-    entry.commands.emplace_back("twistlocks", twistlocks->choice<bool>({{"close", true}, {"open", false}}));
+  for (const char* drive : {"boom", "rotation"}) {
+    if (const auto speed = mapping.find(drive)) read_speed(drive, *speed, kTurningSpeed, entry);
   }
-  if (entry.speeds.empty() && entry.commands.empty())
-    value.refuse("no command, expected one of: hoist, trolley, twistlocks");
-  if (!context.has_crane) value.refuse("a command without a crane, expected 'crane' with its keys, or no 'script'");
+  const auto wind = mapping.find("wind"), mafi = mapping.find("mafi");
+  if (wind) {
+    if (!context.has_wind) wind->refuse("there is no wind, expected 'wind' with its direction beside 'script'");
+    read_speed("wind", *wind, kWindSpeed, entry);
+  }
+  if (mafi && !context.has_mafi) mafi->refuse("there is no trailer, expected 'mafi' with its keys beside 'script'");
+  for (const char* lock : {"twistlocks", "mafi_twistlocks"}) {
+    const auto twistlocks = mapping.find(lock);
+    if (!twistlocks) continue;
+    entry.commands.emplace_back(lock, twistlocks->choice<bool>({{"close", true}, {"open", false}}));
+  }
+  if (const auto stop = mapping.find("emergency_stop")) {
+    entry.emergency_stop = stop->boolean();
+    if (!entry.emergency_stop) stop->expected("true: an emergency stop is not taken back");
+  }
+  if (entry.speeds.empty() && entry.commands.empty() && !entry.emergency_stop)
+    value.refuse("no command, expected one of: hoist, trolley, twistlocks, or another drive of the machine");
+  if (!context.has_crane && !context.has_mafi && !context.has_wind)
+    value.refuse("a command without a crane, expected 'crane' with its keys, or no 'script'");
   return entry;
 }
 

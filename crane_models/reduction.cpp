@@ -37,6 +37,10 @@ void freeze_unused_drives(const std::vector<bool>& used, Scene& scene, Entries& 
       body.joint = fixed;
       entries.push_back({body.name + " fixed", reason});
     }
+    if (scene.wind.drive == index) {
+      scene.wind.drive = -1;
+      entries.push_back({"wind left out", reason});
+    }
     int ropes = 0;
     for (spreader::Rope& rope : scene.ropes) {
       if (rope.drive != index) continue;
@@ -129,6 +133,16 @@ bool can_be_absorbed(int body, int other, const Scene& scene) {
   return true;
 }
 
+// Whether a lock holds its bodies as if they were one: fewer than three pins leave a turn free, and another lock between
+// them may do something yet.
+bool is_rigid(const spreader::Lock& lock, const Scene& scene) {
+  constexpr std::size_t kRigidPins = 3;
+  const auto bodies = std::minmax(lock.body_a, lock.body_b);
+  const auto joins_them = [&](const spreader::Lock& other) { return std::minmax(other.body_a, other.body_b) == bodies; };
+  return !lock.elastic && lock.pins.size() >= kRigidPins &&
+         std::count_if(scene.locks.begin(), scene.locks.end(), joins_them) == 1;
+}
+
 // Locks that keep their state for the whole script: closed, they make one body of two; open, they do nothing.
 void settle_constant_locks(const std::vector<bool>& commands_used, Scene& scene, Entries& entries) {
   for (std::size_t i = 0; i < scene.locks.size();) {
@@ -140,6 +154,10 @@ void settle_constant_locks(const std::vector<bool>& commands_used, Scene& scene,
     if (!lock.closed) {
       entries.push_back({lock.name + " left out", lock.name + " stay open for the whole script"});
       scene.locks.erase(scene.locks.begin() + i);
+      continue;
+    }
+    if (!is_rigid(lock, scene)) {
+      ++i;
       continue;
     }
     int absorber = lock.body_a, absorbed = lock.body_b;

@@ -12,6 +12,8 @@ namespace quayside::crane_models {
 struct ScriptUse {
   std::vector<bool> drives_used;    // some command gives this drive a speed
   std::vector<bool> commands_used;  // some command changes it from its start
+  std::vector<double> drive_travel;  // how far its value may go from its start at most [unit]
+  std::vector<int> drive_changes;    // how often its speed changes
 };
 
 struct ReductionReport {

@@ -57,6 +57,10 @@ class Checker {
     for (const auto& lock : scene_.locks) check_lock(lock, names);
     for (const ContactPair& pair : scene_.pairs) check_pair(pair);
     for (const LandedSwitch& landed : scene_.landed_switches) check_switch(landed, names);
+    for (const LoadLimit& limit : scene_.load_limits) check_limit(limit, names);
+    require(is_drive_or_none(scene_.wind.drive), "wind", "its drive is not in the scene");
+    require(std::abs(scene_.wind.direction_W.norm() - 1) <= kRounding, "wind", "its direction is not a unit vector");
+    require(is_not_negative(scene_.wind.pressure_factor), "wind", "its pressure factor must not be negative");
     names.clear();
     for (const ReportedFrame& frame : scene_.frames) {
       check_name(frame.name, "frame", names);
@@ -86,6 +90,8 @@ class Checker {
     require(std::abs(drive.sign) == 1, what, "its sign must be 1 or -1");
     require(is_not_negative(drive.max_speed), what, "its largest speed must be finite and not negative");
     require(is_not_negative(drive.max_acceleration), what, "its largest acceleration must be finite and not negative");
+    require(is_not_negative(drive.max_jerk), what, "its largest jerk must be finite and not negative");
+    require(is_not_negative(drive.emergency_stop), what, "its emergency stop must be finite and not negative");
   }
 
   void check_body(int index, std::set<std::string>& names) const {
@@ -138,6 +144,7 @@ class Checker {
     for (const auto& pin : lock.pins) require(pin.p_A.allFinite() && pin.p_B.allFinite(), what, "a pin is not finite");
     require(is_positive(lock.stiffness), what, "its stiffness must be positive");
     require(is_not_negative(lock.damping), what, "its damping must not be negative");
+    require(is_not_negative(lock.reach), what, "its reach must not be negative");
     require(lock.command >= -1 && lock.command < size(scene_.commands), what, "its command is not in the scene");
     require(lock.command < 0 || scene_.commands[lock.command].start == lock.closed, what,
             "it must start as its command says");
@@ -160,6 +167,15 @@ class Checker {
     require(!landed.bodies.empty(), what, "it watches no body");
     for (int body : landed.bodies) require(is_body(body), what, "a body it watches is not in the scene");
     require(is_positive(landed.threshold), what, "its threshold must be positive");
+  }
+
+  void check_limit(const LoadLimit& limit, std::set<std::string>& names) const {
+    check_name(limit.name, "load limit", names);
+    const std::string what = "load limit " + limit.name;
+    require(!limit.ropes.empty(), what, "it watches no rope");
+    for (int rope : limit.ropes) require(rope >= 0 && rope < size(scene_.ropes), what, "a rope it watches is not in the scene");
+    require(is_positive(limit.threshold), what, "its threshold must be positive");
+    require(is_not_negative(limit.delay), what, "its delay must not be negative");
   }
 
   const Scene& scene_;

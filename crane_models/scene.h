@@ -58,8 +58,8 @@ struct Body {
   bool is_static() const { return joint.type == JointType::fixed && joint.parent == kWorld; }
 };
 
-// A coordinate that a motor moves: a driven joint or the rest length of ropes. As an input it has value, rate and
-// acceleration, so that within a step it is known as value + rate τ + ½ acceleration τ².
+// A coordinate that a motor moves: a driven joint or the rest length of ropes. As an input it has value, rate,
+// acceleration and jerk, so that within a step it is known as value + rate τ + ½ acceleration τ² + ⅙ jerk τ³.
 struct Drive {
   std::string name;      // "trolley", "hoist"
   std::string unit;      // of the value: "m" or "rad"
@@ -68,12 +68,15 @@ struct Drive {
   double sign = 1;       // a positive speed command changes the value by `sign` × speed (hoisting shortens ropes: −1)
   double max_speed = 0;         // [unit/s]
   double max_acceleration = 0;  // [unit/s²]
+  double max_jerk = 0;          // [unit/s³]; 0: the acceleration may jump
+  double emergency_stop = 0;    // deceleration of an emergency stop [unit/s²]
 };
 
 struct DriveMotion {
-  double value = 0, rate = 0, acceleration = 0;
+  double value = 0, rate = 0, acceleration = 0, jerk = 0;
   DriveMotion after(double dt) const {
-    return {value + dt * (rate + 0.5 * dt * acceleration), rate + dt * acceleration, acceleration};
+    return {value + dt * (rate + 0.5 * dt * (acceleration + dt / 3 * jerk)),
+            rate + dt * (acceleration + 0.5 * dt * jerk), acceleration + dt * jerk, jerk};
   }
 };
 
@@ -105,6 +108,24 @@ struct ReportedFrame {
   Pose X_BR = Pose::Identity();
 };
 
+// Wind that blows alike everywhere. Its drive's rate is the speed of the air (its value the way the air has made), so
+// that gusts are ramps like those of any drive. Every box of a body that is not static is pushed at its centre by
+// pressure factor × area seen from the wind × (speed of the air less the box's own along it), squared with its sign.
+struct Wind {
+  int drive = -1;  // −1: no wind
+  Eigen::Vector3d direction_W = Eigen::Vector3d::UnitX();  // where to; a unit vector
+  double pressure_factor = 0;                              // ½ ρ c_d [kg/m³]
+};
+
+// A guard of the machine: when the summed tension of some ropes has stayed above a threshold for a time, it trips, and
+// the drives make an emergency stop.
+struct LoadLimit {
+  std::string name;        // "overload", "snag"
+  std::vector<int> ropes;
+  double threshold = 0;    // [N]
+  double delay = 0;        // [s]
+};
+
 struct Scene {
   std::string title;
   Eigen::Vector3d gravity{0, 0, -9.81};  // [m/s²]
@@ -115,6 +136,8 @@ struct Scene {
   std::vector<Command> commands;
   std::vector<ContactPair> pairs;
   std::vector<LandedSwitch> landed_switches;
+  Wind wind;
+  std::vector<LoadLimit> load_limits;
   std::vector<ReportedFrame> frames;
 };
 

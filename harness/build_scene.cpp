@@ -7,8 +7,11 @@
 
 #include <fmt/format.h>
 
+#include "crane_models/drives.h"
 #include "crane_models/load_bodies.h"
-#include "crane_models/quayside_crane.h"
+#include "crane_models/reach.h"
+#include "harness/build_machine.h"
+#include "harness/script_use.h"
 
 namespace quayside::harness {
 namespace {
@@ -22,14 +25,11 @@ using Eigen::Vector3d;
 constexpr double kGroundHalfHeight = 1.5;  // [m]
 // Ground beyond all that stands or may get there, so that nothing meets its rim [m].
 constexpr double kGroundMargin = 30;
-// No trolley runs farther, from backreach to outreach [m].
-constexpr double kLongestTrolleyRun = 120;
+// Nothing that is driven runs farther: a trolley from backreach to outreach, a machine within its block [m].
+constexpr double kLongestRun = 120;
 
 // Starts may overlap by this much: a container at rest presses its contact in by about half of it [m].
 constexpr double kAllowedOverlap = 1e-3;
-
-// The headblock stays this far below the sheaves of the trolley, or there is no room to hang [m].
-constexpr double kLeastHoistHeight = 1.0;
 
 constexpr double kDegree = EIGEN_PI / 180;
 
@@ -37,78 +37,8 @@ constexpr double kDegree = EIGEN_PI / 180;
   throw cases::CaseError(fmt::format("{}: {}: {}", description.file.string(), key, message));
 }
 
-spreader::ContainerSize container_size(cases::ContainerType type) {
-  switch (type) {
-    case cases::ContainerType::iso20: return spreader::ContainerSize::iso20;
-    case cases::ContainerType::iso40: return spreader::ContainerSize::iso40;
-    case cases::ContainerType::iso40_high_cube: return spreader::ContainerSize::iso40_high_cube;
-    case cases::ContainerType::iso45: break;
-  }
-  return spreader::ContainerSize::iso45;
-}
-
 double height(const cases::ContainerSpec& container) {
   return spreader::container_data(container_size(container.type)).size.z();
-}
-
-void override_limits(const cases::DriveSpec& spec, crane_models::DriveLimits& limits) {
-  limits.max_speed = spec.max_speed.value_or(limits.max_speed);
-  limits.max_acceleration = spec.max_acceleration.value_or(limits.max_acceleration);
-}
-
-crane_models::QuaysideCrane quayside_crane(const cases::Case& description) {
-  const cases::CraneSpec& spec = description.crane;
-  const cases::SpreaderSpec spreader = description.spreader.value_or(cases::SpreaderSpec{});
-  crane_models::QuaysideCrane crane;
-  crane.trolley_position = spec.trolley_position;
-  crane.trolley_height = spec.trolley_height;
-  crane.rope_length = spec.rope_length;
-  override_limits(spec.trolley, crane.trolley);
-  override_limits(spec.hoist, crane.hoist);
-  crane.trolley_sheaves = spec.trolley_sheaves.value_or(crane.trolley_sheaves);
-  crane.spreader_sheaves = spec.spreader_sheaves.value_or(crane.spreader_sheaves);
-  crane.rope_stiffness = spec.rope_stiffness.value_or(crane.rope_stiffness);
-  crane.rope_damping_time = spec.rope_damping_time.value_or(crane.rope_damping_time);
-  crane.spreader.container = container_size(spreader.size);
-  crane.spreader.mass = spreader.mass.value_or(crane.spreader.mass);
-  crane.twistlocks.stiffness = spreader.lock_stiffness.value_or(crane.twistlocks.stiffness);
-  crane.skew = spreader.skew * kDegree;
-  for (const cases::ContainerSpec& container : description.containers) {
-    if (container.on_spreader) {
-      crane.load = {container.name, container.mass, container_size(container.type), container.centre_of_gravity};
-    }
-  }
-  return crane;
-}
-
-void check_hanging(const cases::Case& description, const crane_models::QuaysideCrane& crane, const Scene& scene) {
-  const double hoist_height = crane_models::hanging_height(crane, scene);
-  const double load_height = crane.load ? spreader::container_data(crane.load->size).size.z() : 0;
-  const double below_sheaves = crane.spreader.sheave_height + load_height;
-  if (hoist_height < kLeastHoistHeight) {
-    refuse(description, "crane.hoist.rope_length",
-           fmt::format("{} m of rope leave {:.3f} m between trolley and headblock, expected at least {} m",
-                       crane.rope_length, hoist_height, kLeastHoistHeight));
-  }
-  const double clearance = crane.trolley_height - hoist_height - below_sheaves;
-  if (description.ground && clearance < 0) {
-    refuse(description, "crane.hoist.rope_length",
-           fmt::format("'{}' would start {:.3f} m deep in the ground, expected ropes of at most about {:.2f} m or a "
-                       "higher trolley",
-                       crane.load ? crane.load->name : "spreader", -clearance, crane.rope_length + clearance));
-  }
-}
-
-void add_crane(const cases::Case& description, Scene& scene) {
-  const Vector3d& g = scene.gravity;
-  if (g.x() != 0 || g.y() != 0 || g.z() >= 0) {
-    refuse(description, "gravity",
-           fmt::format("[{}, {}, {}] does not hang a load on a crane, expected [0, 0, g] with g < 0", g.x(), g.y(),
-                       g.z()));
-  }
-  const crane_models::QuaysideCrane crane = quayside_crane(description);
-  check_hanging(description, crane, scene);
-  crane_models::add_quayside_crane(crane, scene);
 }
 
 // Where the centres of the bottoms stand: on the world's floor, or on one another.
@@ -149,7 +79,7 @@ void add_containers(const cases::Case& description, Scene& scene) {
              fmt::format("lies outside the box, expected within ±[{}, {}, {}] m of its centre", half.x(), half.y(),
                          half.z()));
     }
-    if (container.on_spreader) continue;  // came with the crane
+    if (container.on_spreader || container.on_mafi) continue;  // came with the machine
     const Pose X_BR = crane_models::container_bottom(size);
     Body body = crane_models::container_body(container.name, size, container.mass, container.centre_of_gravity);
     body.X_WB = places.bottom(container) * X_BR.inverse();
@@ -167,18 +97,93 @@ void add_plain_bodies(const cases::Case& description, Scene& scene) {
   }
 }
 
+// The place of one stack of a block, from above.
+crane_models::GroundPlan stack_place(const cases::StackSpec& spec, int bay, int row) {
+  const Eigen::Vector2d half = spreader::container_data(container_size(spec.type)).size.head<2>() / 2;
+  const Eigen::Vector2d centre = spec.position.head<2>() + Eigen::Vector2d(bay * spec.spacing.x(), row * spec.spacing.y());
+  return {centre - half, centre + half};
+}
+
+void check_spacing(const cases::Case& description, const cases::StackSpec& spec) {
+  const Eigen::Vector2d size = spreader::container_data(container_size(spec.type)).size.head<2>();
+  const Eigen::Vector2d gap = spec.spacing - size;
+  if ((spec.bays > 1 && gap.x() < 0) || (spec.rows > 1 && gap.y() < 0)) {
+    refuse(description, fmt::format("stacks.{}.spacing", spec.name),
+           fmt::format("[{}, {}] is closer than its boxes are large, expected at least [{}, {}] m", spec.spacing.x(),
+                       spec.spacing.y(), size.x(), size.y()));
+  }
+}
+
+// The stacks of a block, bay by bay; `wanted` says which of them.
+void add_stacks(const cases::StackSpec& spec, const std::vector<bool>& wanted, Scene& scene) {
+  const spreader::ContainerSize size = container_size(spec.type);
+  const double height = spreader::container_data(size).size.z();
+  const Pose X_BR = crane_models::container_bottom(size);
+  for (int bay = 0; bay < spec.bays; ++bay) {
+    for (int row = 0; row < spec.rows; ++row) {
+      if (!wanted[bay * spec.rows + row]) continue;
+      for (int tier = 0; tier < spec.tiers; ++tier) {
+        const std::string name = fmt::format("{}_{}_{}_{}", spec.name, bay + 1, row + 1, tier + 1);
+        Body body = crane_models::container_body(name, size, spec.mass, Vector3d::Zero());
+        const Vector3d offset(bay * spec.spacing.x(), row * spec.spacing.y(), tier * height);
+        body.X_WB = Eigen::Translation3d(spec.position + offset) * X_BR.inverse();
+        add_body(std::move(body), false, X_BR, scene);
+      }
+    }
+  }
+}
+
+// All stacks, or only those that may be touched by what the scene holds so far.
+void add_stacks(const cases::Case& description, LeftOut* left_out, Scene& scene) {
+  if (description.stacks.empty()) return;
+  std::optional<std::vector<crane_models::GroundPlan>> reach;
+  bool sideways = false;
+  if (left_out) {
+    const crane_models::ScriptUse use = use_of(scene, description);
+    reach = crane_models::reach(scene, use);
+    sideways = crane_models::moves_sideways(scene, use);
+  }
+  for (const cases::StackSpec& spec : description.stacks) {
+    check_spacing(description, spec);
+    std::vector<bool> wanted(spec.bays * spec.rows, true);
+    if (reach) {
+      std::vector<crane_models::GroundPlan> places;
+      for (int bay = 0; bay < spec.bays; ++bay) {
+        for (int row = 0; row < spec.rows; ++row) places.push_back(stack_place(spec, bay, row));
+      }
+      const double height = spec.tiers * spreader::container_data(container_size(spec.type)).size.z();
+      wanted = crane_models::touched(places, height, *reach, sideways);
+      left_out->containers += spec.tiers * static_cast<int>(std::count(wanted.begin(), wanted.end(), false));
+      left_out->reason = sideways ? "nothing that the script moves, nor a stack that it fells, comes near them"
+                                  : "the script moves nothing sideways, and what it moves is more than a metre away";
+    }
+    add_stacks(spec, wanted, scene);
+  }
+}
+
+// The speed is the script's. Gusts: 50 m/s² is the edge of a squall.
+void add_wind(const cases::WindSpec& spec, Scene& scene) {
+  constexpr double kAirDensity = 1.25;  // [kg/m³]
+  scene.wind.drive = crane_models::add_drive(scene, "wind", "m", "way of the air; its rate is the wind's speed", 0, 1,
+                                             {75.0, 50.0});
+  scene.drives.back().emergency_stop = 0;
+  scene.wind.direction_W = Eigen::AngleAxisd(spec.direction * kDegree, Vector3d::UnitZ()) * Vector3d::UnitX();
+  scene.wind.pressure_factor = 0.5 * kAirDensity * spec.drag;
+}
+
 double horizontal(const Vector3d& v) { return v.head<2>().norm(); }
 
 // How far the scene may spread from where its boxes are now: with the speeds at the start and what gravity adds on a
-// slope, or with the trolley [m].
+// slope, or with a machine [m].
 double reach(const cases::Case& description, const Scene& scene) {
   const double duration = description.duration;
-  double speed = 0, trolley_run = 0;
-  for (const Body& body : scene.bodies) speed = std::max(speed, horizontal(body.v_WB));
-  for (const auto& drive : scene.drives) {
-    if (drive.name == "trolley") trolley_run = std::min(kLongestTrolleyRun, duration * drive.max_speed);
+  double speed = 0, run = 0;
+  for (const Body& body : scene.bodies) {
+    speed = std::max(speed, horizontal(body.v_WB));
+    if (body.joint.drive < 0 || body.joint.type != crane_models::JointType::slider) continue;
+    run += std::min(kLongestRun, duration * scene.drives[body.joint.drive].max_speed);
   }
-  return trolley_run + duration * (speed + 0.5 * duration * horizontal(scene.gravity));
+  return run + duration * (speed + 0.5 * duration * horizontal(scene.gravity));
 }
 
 // Added last, so that contacts read "load/ground".
@@ -199,12 +204,29 @@ void add_ground(const cases::Case& description, Scene& scene) {
   scene.bodies.push_back(std::move(ground));
 }
 
+// A deck and its chassis, which its springs keep apart.
+bool on_springs(const Scene& scene, int a, int b) {
+  return std::any_of(scene.locks.begin(), scene.locks.end(), [&](const spreader::Lock& lock) {
+    return lock.elastic && std::minmax(lock.body_a, lock.body_b) == std::minmax(a, b);
+  });
+}
+
+// Pairs grow with the square of the bodies, and so do memory and time.
+void check_amount(const cases::Case& description, const Scene& scene) {
+  constexpr std::size_t kMostBodies = 1000;
+  if (scene.bodies.size() <= kMostBodies) return;
+  refuse(description, "stacks",
+         fmt::format("{} bodies that may all meet are too many, expected at most {}: simulate the reduced scene, or bound "
+                     "what the script moves", scene.bodies.size(), kMostBodies));
+}
+
 // All boxes of different bodies. Those of two static bodies have nothing to push.
 void add_pairs(Scene& scene) {
   const int count = static_cast<int>(scene.bodies.size());
   for (int a = 0; a < count; ++a) {
     for (int b = a + 1; b < count; ++b) {
       if (scene.bodies[a].is_static() && scene.bodies[b].is_static()) continue;
+      if (on_springs(scene, a, b)) continue;
       for (int i = 0; i < static_cast<int>(scene.bodies[a].boxes.size()); ++i) {
         for (int j = 0; j < static_cast<int>(scene.bodies[b].boxes.size()); ++j) scene.pairs.push_back({a, i, b, j});
       }
@@ -239,18 +261,41 @@ void check_overlaps(const cases::Case& description, const Scene& scene) {
 
 }  // namespace
 
-crane_models::Scene build_scene(const cases::Case& description) {
+void LeftOut::add_to(crane_models::ReductionReport& report) const {
+  if (containers == 0) return;
+  report.entries.insert(report.entries.begin(), {fmt::format("{} containers of stacks left out", containers), reason});
+  report.bodies_before += containers;
+  report.degrees_of_freedom_before += 6 * containers;
+}
+
+namespace {
+
+Scene build(const cases::Case& description, LeftOut* left_out) {
   Scene scene;
   scene.title = description.title;
   scene.gravity = description.gravity;
-  if (description.crane.type == "quayside") add_crane(description, scene);
+  add_crane(description, scene);
+  add_mafi(description, scene);
   add_containers(description, scene);
+  add_pick_ups(description, scene);
   add_plain_bodies(description, scene);
+  if (description.wind) add_wind(*description.wind, scene);
+  add_stacks(description, left_out, scene);
   if (description.ground) add_ground(description, scene);
+  check_amount(description, scene);
   add_pairs(scene);
   if (!description.allow_overlap) check_overlaps(description, scene);
   crane_models::check(scene);
   return scene;
+}
+
+}  // namespace
+
+crane_models::Scene build_scene(const cases::Case& description) { return build(description, nullptr); }
+
+crane_models::Scene build_scene(const cases::Case& description, LeftOut& left_out) {
+  left_out = {};
+  return build(description, &left_out);
 }
 
 contact_nn::ContactSettings contact_settings(const cases::ContactSpec& spec) {

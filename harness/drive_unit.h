@@ -1,12 +1,18 @@
-// The operator and the motors: plays a case's script and moves the drives within their limits of speed and acceleration.
+// The operator, the motors and the guards: plays a case's script, moves the drives within their limits of speed,
+// acceleration and jerk, and stops them when a load limit trips.
 //
-// Acceleration is piecewise constant and changes at event times only, so that within a step every drive moves exactly as
-// value + rate τ + ½ acceleration τ², which is what the engines take as input. All breakpoints (ends of ramps, `at`
-// times, ends of `after`) are announced by `update_discrete_states`.
+// Jerk is piecewise constant and changes at event times only, so that within a step every drive moves exactly as
+// value + rate τ + ½ acceleration τ² + ⅙ jerk τ³, which is what the engines take as input. All breakpoints (ends of
+// ramps, `at` times, ends of `after`) are announced by `update_discrete_states`.
+//
+// An emergency stop, by the script or by a load limit that trips, brings every drive to rest with the deceleration that
+// its machine has for it, and for good: whatever is asked for later, it does not move again. Twistlocks still obey. The
+// wind is no drive of the machine and blows on.
 //
 // Variables, named as the engines name their inputs and outputs:
-//   outputs  <drive>.value, <drive>.rate, <drive>.acceleration per drive of the scene; <command> (boolean)
-//   inputs   every landed switch of the scene (boolean); signals of engines that conditions of the script name;
+//   outputs  <drive>.value, <drive>.rate, <drive>.acceleration, <drive>.jerk per drive of the scene; <command> (boolean)
+//   inputs   every landed switch of the scene (boolean); signals of engines that conditions of the script name or load
+//            limits watch;
 //            command.<drive>, command.<command>: what an operator asks for, see `hand_over`
 //
 // Conditions on switches and signals are looked at whenever units meet: at communication points and at events. A signal
@@ -14,11 +20,13 @@
 // at the same moment fire in the order of the script.
 #pragma once
 
+#include <array>
 #include <string>
 #include <vector>
 
 #include "cases/case.h"
 #include "crane_models/scene.h"
+#include "harness/engine_unit.h"
 #include "harness/master.h"
 #include "harness/unit.h"
 
@@ -52,12 +60,28 @@ class DriveUnit final : public Unit {
   // that an input asks for is cut to the drive's limit; ramps follow as for the script. `reset` leaves this as it is.
   void hand_over(const std::string& drive_or_command, bool to_input);
 
+  // Limits that tripped and emergency stops since the last call.
+  std::vector<Event> take_events();
+
  private:
-  // A motor's motion since `begin`: constant acceleration until `end` (kNever: no end), then `target` speed.
+  // A part of a ramp that follows: its length, and what acceleration and jerk it begins with.
+  struct Phase {
+    Time duration = 0;
+    double acceleration = 0, jerk = 0;
+  };
+  // A motor's motion since `begin`: constant jerk until `end` (kNever: no end), then the phases that are left, then
+  // `target` speed.
   struct Segment {
     Time begin, end;
     crane_models::DriveMotion motion;  // at `begin`
     double target;                     // rate when the ramp is over [unit/s]
+    std::array<Phase, 2> following{};
+    int left = 0;  // of them
+  };
+  // A load limit: since when its tension has been above the threshold (kNever: it is not), and whether it has tripped.
+  struct Guard {
+    Time since;
+    bool tripped;
   };
   struct Progress {
     Time due;  // kNever: the condition has not held yet
@@ -66,10 +90,16 @@ class DriveUnit final : public Unit {
   struct Entry {
     cases::ScriptEntry::Condition condition;
     Time at, after;
-    std::vector<ValueReference> watched;  // one of them has to satisfy the condition
+    std::vector<ValueReference> watched;  // one of them has to satisfy the condition (locked: all)
     double threshold;
-    std::vector<std::pair<std::size_t, double>> rates;   // drive, rate of its value
+    struct Rate {
+      std::size_t drive;
+      double rate;    // of its value
+      double within;  // [s]; 0: as fast as the limits allow
+    };
+    std::vector<Rate> rates;
     std::vector<std::pair<std::size_t, double>> values;  // command's place in `values_`, 0 or 1
+    bool emergency_stop = false;
   };
 
   crane_models::DriveMotion motion(std::size_t drive) const;
@@ -78,8 +108,15 @@ class DriveUnit final : public Unit {
   double commanded(std::size_t place) const { return values_[first_command_input_ + place]; }
   double commanded_rate(std::size_t drive) const;
   Time next_breakpoint() const;
-  void finish_ramp(Segment& segment);
-  void start_ramp(std::size_t drive, double target);
+  ValueReference watch(const Variable& signal);
+  // Whether an emergency stop keeps this drive from moving.
+  bool held(std::size_t drive) const { return stopped_ && drives_[drive].emergency_stop > 0; }
+  double tension(std::size_t limit) const;
+  bool over(std::size_t limit) const;
+  void watch_limits();
+  void stop_all(EventKind kind, const std::string& subject);
+  void finish_phase(Segment& segment);
+  void start_ramp(std::size_t drive, double target, double acceleration, double jerk);
   void fire(const Entry& entry);
 
   std::string name_;
@@ -89,12 +126,17 @@ class DriveUnit final : public Unit {
   std::size_t commands_ = 0;             // at the begin of `values_`
   std::size_t first_command_input_ = 0;  // in `values_`: one per drive, then one per command
   std::vector<bool> by_input_;           // per drive, then per command
+  std::vector<crane_models::LoadLimit> limits_;
+  std::vector<std::vector<ValueReference>> tensions_;  // that each limit sums up
 
   // The state.
   Time time_ = 0;
   std::vector<Segment> segments_;  // per drive
   std::vector<Progress> progress_;  // per entry of the script
   std::vector<double> values_;      // commands and inputs
+  std::vector<Guard> guards_;       // per load limit
+  bool stopped_ = false;
+  std::vector<Event> events_;
 };
 
 // Connects the two both ways, by the names that their variables share.

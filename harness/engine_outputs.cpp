@@ -5,7 +5,8 @@
 namespace quayside::harness {
 
 void write_outputs(const crane_models::Scene& scene, const std::vector<BodyMotion>& bodies, const SceneLoads& loads,
-                   const EventMonitor& monitor, const EnergyLedger& energy, std::vector<double>& values) {
+                   const std::vector<char>& locks_closed, const EventMonitor& monitor, const EnergyLedger& energy,
+                   std::vector<double>& values) {
   static const BodyMotion kAtRest;
   values.clear();
   const auto put = [&](const Eigen::Vector3d& v) { values.insert(values.end(), v.data(), v.data() + 3); };
@@ -22,6 +23,9 @@ void write_outputs(const crane_models::Scene& scene, const std::vector<BodyMotio
     values.push_back(std::atan2(z_W.head<2>().norm(), z_W.z()));
   }
   for (const auto& rope : loads.ropes) values.insert(values.end(), {rope.tension, rope.stretch});
+  for (std::size_t i = 0; i < scene.locks.size(); ++i) {
+    if (scene.locks[i].command >= 0) values.push_back(locks_closed[i] != 0);
+  }
   for (const auto& group : monitor.groups()) values.push_back(group_force(group, loads).norm());
   for (std::size_t i = 0; i < scene.landed_switches.size(); ++i) values.push_back(monitor.landed(static_cast<int>(i)));
   values.insert(values.end(), {energy.kinetic, energy.potential, energy.work_in, energy.dissipated, energy.residual()});

@@ -11,6 +11,7 @@ namespace quayside::harness {
 
 // Overwrites `values` with all outputs. Allocates nothing once `values` has its size.
 void write_outputs(const crane_models::Scene& scene, const std::vector<BodyMotion>& bodies, const SceneLoads& loads,
-                   const EventMonitor& monitor, const EnergyLedger& energy, std::vector<double>& values);
+                   const std::vector<char>& locks_closed, const EventMonitor& monitor, const EnergyLedger& energy,
+                   std::vector<double>& values);
 
 }  // namespace quayside::harness

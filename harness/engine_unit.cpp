@@ -41,6 +41,9 @@ const char* to_string(EventKind kind) {
     case EventKind::lifted: return "lifted";
     case EventKind::lock_closed: return "lock_closed";
     case EventKind::lock_opened: return "lock_opened";
+    case EventKind::lock_refused: return "lock_refused";
+    case EventKind::tripped: return "tripped";
+    case EventKind::stopped: return "stopped";
   }
   assert(false && "an event kind without a name");
   return "";
@@ -52,6 +55,7 @@ std::vector<Variable> engine_variables(const crane_models::Scene& scene) {
     list.input(drive.name + ".value", drive.unit, drive.meaning, drive.start);
     list.input(drive.name + ".rate", drive.unit + "/s", drive.meaning + ": rate", 0);
     list.input(drive.name + ".acceleration", drive.unit + "/s2", drive.meaning + ": acceleration", 0);
+    list.input(drive.name + ".jerk", drive.unit + "/s3", drive.meaning + ": jerk", 0);
   }
   for (const auto& command : scene.commands) list.command(command.name, command.meaning, command.start);
 
@@ -66,6 +70,9 @@ std::vector<Variable> engine_variables(const crane_models::Scene& scene) {
   for (const auto& rope : scene.ropes) {
     list.output(rope.name + ".tension", "N", "tension of the rope group");
     list.output(rope.name + ".stretch", "m", "length less rest length; negative when slack");
+  }
+  for (const auto& lock : scene.locks) {
+    if (lock.command >= 0) list.flag(lock.name + ".closed", "whether the lock holds");
   }
   for (const auto& group : crane_models::contact_groups(scene)) {
     list.output("contact." + group.a + "." + group.b + ".force", "N",

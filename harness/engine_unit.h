@@ -11,7 +11,12 @@
 
 namespace quayside::harness {
 
-enum class EventKind { contact_made, contact_broken, rope_slack, rope_taut, landed, lifted, lock_closed, lock_opened };
+enum class EventKind {
+  contact_made, contact_broken, rope_slack, rope_taut, landed, lifted, lock_closed, lock_opened,
+  lock_refused,  // told to close where its pins are not in place
+  tripped,       // a load limit of the machine, which stops its drives
+  stopped,       // by the operator's emergency stop
+};
 const char* to_string(EventKind kind);
 
 // One line of events.csv. Impulse, peak force and duration belong to contact_broken (and to contacts still made at the
@@ -57,10 +62,10 @@ struct SolverSettings {
 };
 
 // Names of the variables of an engine unit, all engines alike, in this order:
-//   inputs   <drive>.value, <drive>.rate, <drive>.acceleration per drive; <command> per command
+//   inputs   <drive>.value, <drive>.rate, <drive>.acceleration, <drive>.jerk per drive; <command> per command
 //   outputs  per ReportedFrame R: R.position.{x,y,z}, R.orientation.{w,x,y,z}, R.velocity.{x,y,z},
 //            R.angular_velocity.{x,y,z}, R.tilt (angle between R's z axis and the world's);
-//            per rope: <rope>.tension, <rope>.stretch; per pair of bodies that may meet: contact.<a>.<b>.force;
+//            per rope: <rope>.tension, <rope>.stretch; per lock with a command: <lock>.closed (boolean); per pair of bodies that may meet: contact.<a>.<b>.force;
 //            per switch: <switch> (boolean); energy.{kinetic,potential,work_in,dissipated,residual}
 std::vector<Variable> engine_variables(const crane_models::Scene& scene);
 

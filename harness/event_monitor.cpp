@@ -179,9 +179,7 @@ void EventMonitor::flip(const Crossing& crossing, const Sample& then) {
   }
 }
 
-void EventMonitor::note_lock(Time time, int lock, bool closed) {
-  rows_.push_back({time, closed ? EventKind::lock_closed : EventKind::lock_opened, lock, 0, 0, 0});
-}
+void EventMonitor::note(Time time, EventKind kind, int lock) { rows_.push_back({time, kind, lock, 0, 0, 0}); }
 
 std::string EventMonitor::subject(const Row& row) const {
   switch (row.kind) {
@@ -192,7 +190,10 @@ std::string EventMonitor::subject(const Row& row) const {
     case EventKind::landed:
     case EventKind::lifted: return scene_.landed_switches[row.index].name;
     case EventKind::lock_closed:
-    case EventKind::lock_opened: return scene_.locks[row.index].name;
+    case EventKind::lock_opened:
+    case EventKind::lock_refused: return scene_.locks[row.index].name;
+    case EventKind::tripped:
+    case EventKind::stopped: break;  // the drives' own
   }
   throw std::logic_error("an event of unknown kind");
 }

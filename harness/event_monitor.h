@@ -47,7 +47,7 @@ class EventMonitor {
   // A signal that changes and changes back within one step is not seen: the steps are the resolution.
   std::optional<Time> advance(const Sample& begin, const Sample& end, const SampleAt& at);
 
-  void note_lock(Time time, int lock, bool closed);
+  void note(Time time, EventKind kind, int lock);  // of a lock
 
   bool landed(int landed_switch) const { return switches_[landed_switch].on; }
   bool touching(int group) const { return contacts_[group].on; }

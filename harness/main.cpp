@@ -84,6 +84,7 @@ int main(int argc, char** argv) {
     harness::add_plot_command(app);
     harness::add_sweep_command(app, command);
     harness::add_impacts_command(app);
+    harness::add_table_command(app);
     harness::add_export_command(app);
     harness::add_export_mjcf_command(app);
     harness::add_case_format_command(app);

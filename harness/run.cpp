@@ -11,6 +11,7 @@
 #include "harness/drive_unit.h"
 #include "harness/fmi/fmu_unit.h"
 #include "harness/master.h"
+#include "harness/script_use.h"
 
 namespace quayside::harness {
 
@@ -19,38 +20,6 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 MasterSettings master_settings(const cases::MasterSpec& spec) { return {spec.method, spec.tolerance, spec.relaxation}; }
-
-// What a connection to command.* leads to, or nothing.
-std::string commanded_by(const cases::ConnectionSpec& connection) {
-  const std::string prefix = "command.";
-  return connection.to.rfind(prefix, 0) == 0 ? connection.to.substr(prefix.size()) : "";
-}
-
-crane_models::ScriptUse use_of(const crane_models::Scene& scene, const cases::Case& description) {
-  crane_models::ScriptUse use{std::vector<bool>(scene.drives.size()), std::vector<bool>(scene.commands.size())};
-  for (const cases::ConnectionSpec& connection : description.connections) {
-    const std::string name = commanded_by(connection);
-    for (std::size_t i = 0; i < scene.drives.size(); ++i) {
-      if (name == scene.drives[i].name) use.drives_used[i] = true;
-    }
-    for (std::size_t i = 0; i < scene.commands.size(); ++i) {
-      if (name == scene.commands[i].name) use.commands_used[i] = true;
-    }
-  }
-  for (const cases::ScriptEntry& line : description.script) {
-    for (std::size_t i = 0; i < scene.drives.size(); ++i) {
-      for (const auto& [name, speed] : line.speeds) {
-        if (name == scene.drives[i].name && speed != 0) use.drives_used[i] = true;
-      }
-    }
-    for (std::size_t i = 0; i < scene.commands.size(); ++i) {
-      for (const auto& [name, value] : line.commands) {
-        if (name == scene.commands[i].name && value != scene.commands[i].start) use.commands_used[i] = true;
-      }
-    }
-  }
-  return use;
-}
 
 crane_models::ReductionReport nothing_reduced(const crane_models::Scene& scene) {
   crane_models::ReductionReport report;
@@ -110,6 +79,8 @@ class Chain {
       if (!initialized_) return;
       run_.simulated_s = seconds(master_.time());
       run_.events = plant_->take_events();
+      for (Event& event : drives_.take_events()) run_.events.push_back(std::move(event));
+      std::stable_sort(run_.events.begin(), run_.events.end(), [](const Event& a, const Event& b) { return a.time < b.time; });
       run_.open_contacts = plant_->open_contacts();
       run_.energy = plant_->energy();
       run_.statistics = plant_->statistics();
@@ -198,12 +169,15 @@ RunResult run_case(const cases::Case& description, const RunOptions& options, co
 
   RunResult result;
   result.description = description;
-  result.scene = build_scene(description);
   if (options.full_scene) {
+    result.scene = build_scene(description);
     result.reduction = nothing_reduced(result.scene);
   } else {
+    LeftOut left_out;
+    result.scene = build_scene(description, left_out);
     const crane_models::ScriptUse use = use_of(result.scene, description);
     result.scene = crane_models::reduce(result.scene, use, result.reduction);
+    left_out.add_to(result.reduction);
   }
 
   const DriveUnit drives("drives", description, result.scene);

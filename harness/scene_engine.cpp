@@ -25,6 +25,12 @@ constexpr double kLargestInput = 1e6;
 // A box this far inside another, as a fraction of the smaller of their half extents, would come out on the far side.
 constexpr double kAlarmingDepth = 0.5;
 
+double component(const DriveMotion& motion, std::size_t k) {
+  const double all[kPerDrive] = {motion.value, motion.rate, motion.acceleration, motion.jerk};
+  return all[k];
+}
+DriveMotion motion_of(const double* all) { return {all[0], all[1], all[2], all[3]}; }
+
 void check(const SolverSettings& solver) {
   if (!(solver.relative_tolerance > 0 && solver.relative_tolerance <= kLargestRelativeTolerance)) {
     throw std::invalid_argument(fmt::format("solver.relative_tolerance is {}: give a value in (0, {}]",
@@ -47,8 +53,10 @@ const crane_models::Scene& checked(const crane_models::Scene& scene) {
 SceneEngine::SceneEngine(std::string name, const crane_models::Scene& scene, const SolverSettings& solver)
     : name_(std::move(name)), scene_(checked(scene)), monitor_(scene_), drives_(scene_.drives.size()),
       locks_closed_(scene_.locks.size()), integrals_(kImpulses + 3 * monitor_.groups().size()),
-      begin_(monitor_.make_sample()), end_(monitor_.make_sample()), variables_(engine_variables(scene_)), sampled_contact_(solver.sampled_contact),
-      inputs_(3 * scene_.drives.size() + scene_.commands.size()), input_is_set_(inputs_.size()),
+      begin_(monitor_.make_sample()), end_(monitor_.make_sample()), variables_(engine_variables(scene_)),
+      sampled_contact_(solver.sampled_contact),
+      inputs_(kPerDrive * scene_.drives.size() + scene_.commands.size()), input_is_set_(inputs_.size()),
+      locks_told_(scene_.locks.size()),
       outputs_(variables_.size() - inputs_.size()) {
   check(solver);
   for (const auto& pair : scene_.pairs) {
@@ -94,9 +102,8 @@ double SceneEngine::get(ValueReference variable) const {
     throw std::invalid_argument(fmt::format("{}: there is no variable {}", name_, variable));
   }
   if (variable >= inputs_.size()) return outputs_[variable - inputs_.size()];
-  if (input_is_set_[variable] || variable >= 3 * drives_.size()) return inputs_[variable];
-  const DriveMotion now = drive(variable / 3, 0);
-  return variable % 3 == 0 ? now.value : variable % 3 == 1 ? now.rate : now.acceleration;
+  if (input_is_set_[variable] || variable >= kPerDrive * drives_.size()) return inputs_[variable];
+  return component(drive(variable / kPerDrive, 0), variable % kPerDrive);
 }
 
 DriveMotion SceneEngine::drive(std::size_t index, double after) const {
@@ -135,11 +142,12 @@ void SceneEngine::enter_initialization_mode(Time start) {
 // Everything from the start values and the inputs as set.
 void SceneEngine::begin_simulation() {
   for (std::size_t i = 0; i < drives_.size(); ++i) {
-    drives_[i] = {time_, {inputs_[3 * i], inputs_[3 * i + 1], inputs_[3 * i + 2]}};
+    drives_[i] = {time_, motion_of(&inputs_[kPerDrive * i])};
   }
   for (std::size_t i = 0; i < locks_closed_.size(); ++i) {
     const int command = scene_.locks[i].command;
-    locks_closed_[i] = command < 0 ? scene_.locks[i].closed : inputs_[3 * drives_.size() + command] != 0;
+    locks_closed_[i] = command < 0 ? scene_.locks[i].closed : inputs_[kPerDrive * drives_.size() + command] != 0;
+    locks_told_[i] = locks_closed_[i];
   }
   std::fill(integrals_.begin(), integrals_.end(), 0.0);
   place_start();
@@ -188,28 +196,45 @@ void SceneEngine::enter_step_mode() {
 // True when the drive's inputs, where they were set, ask for another motion than the one it has.
 bool SceneEngine::change_drive(std::size_t index) {
   const DriveMotion now = drive(index, 0);
-  const auto wanted = [&](std::size_t component, double present) {
-    const std::size_t i = 3 * index + component;
-    return input_is_set_[i] ? inputs_[i] : present;
-  };
-  const DriveMotion motion{wanted(0, now.value), wanted(1, now.rate), wanted(2, now.acceleration)};
-  if (std::abs(motion.value - now.value) <= kSameMotion && std::abs(motion.rate - now.rate) <= kSameMotion &&
-      std::abs(motion.acceleration - now.acceleration) <= kSameMotion) {
-    return false;
+  double wanted[kPerDrive];
+  bool same = true;
+  for (std::size_t k = 0; k < kPerDrive; ++k) {
+    const std::size_t i = kPerDrive * index + k;
+    wanted[k] = input_is_set_[i] ? inputs_[i] : component(now, k);
+    same = same && std::abs(wanted[k] - component(now, k)) <= kSameMotion;
   }
-  drives_[index] = {time_, motion};
+  if (same) return false;
+  drives_[index] = {time_, motion_of(wanted)};
   return true;
 }
 
-// True when the lock's command asks for another state than the one it has.
+// True when the lock's command changes its state. A lock that refuses to close is not asked again before its command
+// has gone back to open.
 bool SceneEngine::change_lock(std::size_t index) {
   const int command = scene_.locks[index].command;
   if (command < 0) return false;
-  const bool closed = inputs_[3 * drives_.size() + command] != 0;
-  if (closed == static_cast<bool>(locks_closed_[index])) return false;
+  const bool closed = inputs_[kPerDrive * drives_.size() + command] != 0;
+  if (closed == static_cast<bool>(locks_told_[index])) return false;
+  locks_told_[index] = closed;
+  if (closed == static_cast<bool>(locks_closed_[index])) return false;  // it had refused
+  if (closed && !in_place(index)) {
+    monitor_.note(time_, EventKind::lock_refused, static_cast<int>(index));
+    return false;
+  }
   locks_closed_[index] = closed;
-  monitor_.note_lock(time_, static_cast<int>(index), closed);
+  monitor_.note(time_, closed ? EventKind::lock_closed : EventKind::lock_opened, static_cast<int>(index));
   return true;
+}
+
+// Whether every pin is where it can turn.
+bool SceneEngine::in_place(std::size_t index) const {
+  const spreader::Lock& lock = scene_.locks[index];
+  if (lock.reach <= 0) return true;
+  const crane_models::Pose& X_WA = motions()[lock.body_a].X_WB;
+  const crane_models::Pose& X_WB = motions()[lock.body_b].X_WB;
+  return std::all_of(lock.pins.begin(), lock.pins.end(), [&](const spreader::Lock::Pin& pin) {
+    return (X_WB * pin.p_B - X_WA * pin.p_A).norm() <= lock.reach;
+  });
 }
 
 // Energy that jumps is booked: what an opening lock held is lost, and whoever closes a strained lock or moves a drive
@@ -252,7 +277,7 @@ void SceneEngine::update_ledger(const std::vector<double>& integrals) {
 
 void SceneEngine::publish() {
   update_ledger(integrals_);
-  write_outputs(scene_, motions(), loads(), monitor_, ledger_, outputs_);
+  write_outputs(scene_, motions(), loads(), locks_closed_, monitor_, ledger_, outputs_);
 }
 
 // Where contacts are sampled, this is where.
@@ -309,9 +334,10 @@ UnitState SceneEngine::save() {
   for (const char set : input_is_set_) out.put(set);
   for (const DriveInput& input : drives_) {
     out.put(input.since);
-    for (const double x : {input.motion.value, input.motion.rate, input.motion.acceleration}) out.put(x);
+    for (const double x : {input.motion.value, input.motion.rate, input.motion.acceleration, input.motion.jerk}) out.put(x);
   }
   for (const char closed : locks_closed_) out.put(closed);
+  for (const char told : locks_told_) out.put(told);
   out.put(integrals_.data(), integrals_.size());
   for (const double energy : {kinetic_start_, potential_start_, ledger_.largest_exchange}) out.put(energy);
   save_motion(out);
@@ -328,9 +354,10 @@ void SceneEngine::restore(const UnitState& state) {
   for (char& set : input_is_set_) in.get(set);
   for (DriveInput& input : drives_) {
     in.get(input.since);
-    for (double* x : {&input.motion.value, &input.motion.rate, &input.motion.acceleration}) in.get(*x);
+    for (double* x : {&input.motion.value, &input.motion.rate, &input.motion.acceleration, &input.motion.jerk}) in.get(*x);
   }
   for (char& closed : locks_closed_) in.get(closed);
+  for (char& told : locks_told_) in.get(told);
   in.get(integrals_.data(), integrals_.size());
   ledger_ = EnergyLedger{};
   for (double* energy : {&kinetic_start_, &potential_start_, &ledger_.largest_exchange}) in.get(*energy);

@@ -16,6 +16,9 @@ namespace quayside::harness {
 // force on `b` of each contact group.
 constexpr int kWorkIn = 0, kDissipated = 1, kImpulses = 2;
 
+// Inputs of every drive: value, rate, acceleration, jerk.
+constexpr std::size_t kPerDrive = 4;
+
 class SceneEngine : public EngineUnit {
  public:
   const std::string& name() const override { return name_; }
@@ -104,6 +107,7 @@ class SceneEngine : public EngineUnit {
   void apply_inputs();
   bool change_drive(std::size_t index);
   bool change_lock(std::size_t index);
+  bool in_place(std::size_t lock) const;
 
   const std::vector<Variable> variables_;
   const bool sampled_contact_;
@@ -111,6 +115,7 @@ class SceneEngine : public EngineUnit {
   Mode mode_ = Mode::instantiated;
   std::vector<double> inputs_;           // as last set
   std::vector<char> input_is_set_;       // since they were last applied
+  std::vector<char> locks_told_;         // closed or open, by the command of each
   std::vector<double> outputs_;
   double kinetic_start_ = 0, potential_start_ = 0;  // [J]
 };

@@ -106,6 +106,33 @@ void SceneForces::evaluate(const std::vector<BodyMotion>& bodies, const std::vec
     if (loads.contacts_held) add_held_contact(i, bodies, loads);
     else add_contact(i, bodies, loads, counters);
   }
+  loads.rope_work_in += add_wind(bodies, drives, loads.bodies);
+}
+
+// A box turns the sum over its three axes of area × |axis · wind| to the wind.
+double SceneForces::add_wind(const std::vector<BodyMotion>& bodies,
+                             const std::vector<crane_models::DriveMotion>& drives,
+                             std::vector<BodyForce>& forces) const {
+  const crane_models::Wind& wind = scene_.wind;
+  if (wind.drive < 0) return 0;
+  const double air_speed = drives[wind.drive].rate;
+  double power = 0;
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    if (scene_.bodies[i].is_static()) continue;
+    for (const crane_models::CollisionBox& box : scene_.bodies[i].boxes) {
+      const Vector3d p_W = bodies[i].X_WB * box.X_BG.translation();
+      const Matrix3d R_WG = bodies[i].X_WB.linear() * box.X_BG.linear();
+      const Vector3d along = (R_WG.transpose() * wind.direction_W).cwiseAbs();
+      const Vector3d& h = box.half;
+      const double area = 4 * along.dot(Vector3d(h.y() * h.z(), h.z() * h.x(), h.x() * h.y()));
+      const Vector3d v_W = velocity_at(bodies[i], p_W);
+      const double relative = air_speed - wind.direction_W.dot(v_W);
+      const Vector3d f_W = wind.pressure_factor * area * relative * std::abs(relative) * wind.direction_W;
+      add_force(bodies[i], f_W, p_W, forces[i]);
+      power += f_W.dot(v_W);
+    }
+  }
+  return power;
 }
 
 spreader::RopeTension SceneForces::rope_state(const spreader::Rope& rope, const std::vector<BodyMotion>& bodies,

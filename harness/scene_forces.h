@@ -1,4 +1,4 @@
-// The forces of a Scene, engine-neutral: ropes, locks, contacts. Called at every evaluation of the right-hand side by
+// The forces of a Scene, engine-neutral: ropes, locks, contacts, wind. Called at every evaluation of the right-hand side by
 // the Simbody unit and through MuJoCo's passive callback by the same-law unit.
 #pragma once
 
@@ -33,11 +33,11 @@ struct PairLoad {
 
 // Everything that a caller may want to know beside the forces; sized once by `SceneForces::make_loads`.
 struct SceneLoads {
-  std::vector<BodyForce> bodies;                 // total of ropes, locks and contacts per body (no gravity)
+  std::vector<BodyForce> bodies;                 // total of ropes, locks, contacts and wind per body (no gravity)
   std::vector<spreader::RopeTension> ropes;
   std::vector<PairLoad> pairs;
   double potential_energy = 0;   // ropes, locks, contacts [J]
-  double rope_work_in = 0;       // power put in through rest lengths [W]
+  double rope_work_in = 0;       // power put in through rest lengths, and by the wind [W]
   double dissipated_power = 0;   // ropes, locks, contacts [W]
 
   // Contacts stay what they were at the last evaluation: the same forces at the same places in the world, so that momentum is
@@ -55,6 +55,10 @@ class SceneForces {
   // `bodies`, `drives`, `locks_closed` have the scene's sizes. Overwrites `loads`. Allocates nothing.
   void evaluate(const std::vector<BodyMotion>& bodies, const std::vector<crane_models::DriveMotion>& drives,
                 const std::vector<char>& locks_closed, SceneLoads& loads, contact_nn::ContactCounters& counters) const;
+
+  // Adds the wind's force on every body and returns its power [W]. Part of `evaluate`; for engines with forces of their own.
+  double add_wind(const std::vector<BodyMotion>& bodies, const std::vector<crane_models::DriveMotion>& drives,
+                  std::vector<BodyForce>& forces) const;
 
   // Elastic energy that the lock holds now: lost when it opens [J].
   double lock_energy(int lock, const std::vector<BodyMotion>& bodies) const;

@@ -21,6 +21,9 @@ struct Lock {
   double damping = 0;    // per pin [N s/m]
   bool closed = true;    // at the start
   int command = -1;      // the scene's command that closes and opens it; −1: stays as it starts
+  // It closes only where no pin is farther off than this, and refuses otherwise [m]; 0: closes anywhere.
+  double reach = 0;
+  bool elastic = false;  // a suspension: its give is what matters, so that nothing may take it for rigid
 };
 
 // What one pin of a closed lock does.

@@ -13,6 +13,23 @@ MassProperties mass_properties(const Spreader& spreader) {
   return combined(frame, headblock);
 }
 
+std::vector<Plate> plates(const Spreader& spreader) {
+  const Eigen::Vector3d frame = spreader.frame_size();
+  std::vector<Plate> all{{{0, 0, frame.z() / 2}, frame}};
+  if (!spreader.flippers.down) return all;
+  const Flippers& f = spreader.flippers;
+  const double out = f.clearance + f.thickness / 2;
+  for (const double x : {-1.0, 1.0}) {
+    for (const double y : {-1.0, 1.0}) {
+      all.push_back({{x * (frame.x() - f.width) / 2, y * (frame.y() / 2 + out), -f.reach / 2},
+                     {f.width, f.thickness, f.reach}});
+      all.push_back({{x * (frame.x() / 2 + out), y * (frame.y() - f.width) / 2, -f.reach / 2},
+                     {f.thickness, f.width, f.reach}});
+    }
+  }
+  return all;
+}
+
 Lock twistlock_lock(const Twistlocks& twistlocks, ContainerSize container, double load_mass,
                     const Eigen::Vector3d& p_BT) {
   Lock lock;

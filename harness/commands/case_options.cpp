@@ -79,7 +79,8 @@ std::vector<std::filesystem::path> case_files(const std::vector<std::string>& pa
 }
 
 CaseVariables case_variables(const cases::Case& description) {
-  const crane_models::Scene scene = build_scene(description);
+  LeftOut left_out;  // of a large yard, which is never built as a whole
+  const crane_models::Scene scene = build_scene(description, left_out);
   CaseVariables variables;
   for (const Variable& variable : engine_variables(scene)) {
     if (variable.causality == Causality::input) variables.inputs.push_back(variable);

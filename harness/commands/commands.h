@@ -26,6 +26,7 @@ void add_compare_command(CLI::App& app);
 void add_plot_command(CLI::App& app);
 void add_sweep_command(CLI::App& app, const std::string& command_line);
 void add_impacts_command(CLI::App& app);
+void add_table_command(CLI::App& app);
 void add_export_command(CLI::App& app);
 void add_export_mjcf_command(CLI::App& app);
 void add_case_format_command(CLI::App& app);

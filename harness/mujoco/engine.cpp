@@ -118,8 +118,8 @@ void Engine::rewind(const Point& point) {
 // One step of MuJoCo's integrator from `point_`, where the unit stands evaluated, and the evaluation at its
 // end.
 //
-// The work of a drive at a joint: its rate is linear in time, v = v_m + a (t − t_m) about the middle of the step, so
-// that ∫ F v dt = v_m J + a h² (F₁ − F₀)/12 + O(h⁵). The impulse J is what the armature was held back by: with the
+// The work of a drive at a joint: its rate is linear in time but for a jerk, which is small over a step: v = v_m + a (t − t_m)
+// about its middle, so that ∫ F v dt = v_m J + a h² (F₁ − F₀)/12 + O(h⁵). The impulse J is what the armature was held back by: with the
 // force armature × a it would have gained a h.
 void Engine::take_step(Time step) {
   mjModel* m = model_.model();
@@ -128,6 +128,9 @@ void Engine::take_step(Time step) {
   m->opt.timestep = h;
   d->time = 0;
   prepare_stages(h);
+  for (const auto& joint : model_.driven_joints()) {
+    d->qfrc_applied[joint.dof] = joint.armature * drive(joint.drive, kMeanOfLaterStages * h).acceleration;
+  }
   run([m, d, this] {
     if (runge_kutta()) mj_RungeKutta(m, d, 4);
     else mj_step2(m, d);
@@ -135,13 +138,13 @@ void Engine::take_step(Time step) {
 
   for (const auto& joint : model_.driven_joints()) {
     const DriveMotion motion = drive(joint.drive, 0);
-    const double impulse = joint.armature * (motion.rate + motion.acceleration * h - d->qvel[joint.dof]);
-    integrals_[kWorkIn] += (motion.rate + 0.5 * motion.acceleration * h) * impulse;
+    const double rate_then = motion.after(h).rate;
+    integrals_[kWorkIn] += 0.5 * (motion.rate + rate_then) * joint.armature * (rate_then - d->qvel[joint.dof]);
   }
   time_ += step;
   evaluate();
   for (std::size_t i = 0; i < reactions_.size(); ++i) {
-    const double acceleration = drive(model_.driven_joints()[i].drive, 0).acceleration;
+    const double acceleration = drive(model_.driven_joints()[i].drive, -0.5 * h).acceleration;
     integrals_[kWorkIn] += acceleration * h * h * (reactions_[i] - point_.reactions[i]) / 12;
   }
   integrate(h, point_.rates);

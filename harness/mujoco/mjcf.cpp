@@ -25,7 +25,8 @@ using tinyxml2::XMLElement;
 // keeps more digits of the force: 1e-7 and 1e-9 at this value.
 constexpr double kDriveInertiaRatio = 1e7;
 
-// A level static box counts as a plane for boxes whose diagonal goes this often into its length and width.
+// A level static box counts as a plane for boxes whose diagonal goes this often into its length and width, and that
+// start at least their diagonal from its rim: beyond the rim a plane would go on.
 constexpr double kPlaneRatio = 1.5;
 constexpr double kLevel = 1e-9;  // largest tilt of such a box [rad]
 
@@ -422,9 +423,13 @@ bool is_plane_for(const Scene& scene, int body, int box, int other_body, int oth
   if (!scene.bodies[body].is_static()) return false;
   const CollisionBox& wide = scene.bodies[body].boxes[box];
   const Eigen::Vector3d up = (X_PB_at_zero(scene.bodies[body].joint) * wide.X_BG).linear().col(2);
-  const double diagonal = 2 * scene.bodies[other_body].boxes[other_box].half.norm();
+  const CollisionBox& other = scene.bodies[other_body].boxes[other_box];
+  const double diagonal = 2 * other.half.norm();
+  const Pose X_WG = scene.bodies[body].X_WB * wide.X_BG;
+  const Eigen::Vector3d start = X_WG.inverse() * (scene.bodies[other_body].X_WB * other.X_BG.translation());
+  const Eigen::Array2d to_rim = wide.half.head<2>().array() - start.head<2>().array().abs();
   return (up - Eigen::Vector3d::UnitZ()).norm() < kLevel &&
-         2 * std::min(wide.half.x(), wide.half.y()) > kPlaneRatio * diagonal;
+         2 * std::min(wide.half.x(), wide.half.y()) > kPlaneRatio * diagonal && to_rim.minCoeff() > diagonal;
 }
 
 std::string geom_name(const Scene& scene, int body, int box, bool as_plane) {

@@ -10,10 +10,6 @@
 namespace quayside::harness::mujoco {
 namespace {
 
-// The stages of the classical Runge-Kutta method after the first stand at ½, ½ and 1 of the step with the weights 2, 2,
-// 1: their mean time, so that what is held constant over them acts as if it moved.
-constexpr double kMeanOfLaterStages = 0.6;
-
 // The geometry of contacts as our own modules see it, for events and time to contact; the forces are MuJoCo's.
 std::shared_ptr<const contact_nn::ContactModule> geometry(contact_nn::ContactSettings contact) {
   contact.model = contact_nn::Model::exact;
@@ -119,6 +115,7 @@ void NativeEngine::read_loads() {
   read_contacts();
   read_energy();
   read_ropes();
+  loads_.rope_work_in += forces_.add_wind(motions_, drives_now_, loads_.bodies);
   write_rates(loads_.rope_work_in, loads_.dissipated_power + model_.joint_damping_power());
 }
 
@@ -195,6 +192,13 @@ void NativeEngine::integrate(double h, const std::vector<double>& rates_at_begin
 
 void NativeEngine::add_passive_forces(const mjModel*, mjData* data) {
   ++statistics_.rhs_evaluations;
+  if (scene_.wind.drive >= 0) {
+    fill_drives(data->time);
+    model_.read_motions(motions_);
+    std::fill(loads_.bodies.begin(), loads_.bodies.end(), BodyForce{});
+    forces_.add_wind(motions_, drives_now_, loads_.bodies);
+    model_.add_forces(loads_.bodies, data->qfrc_passive);
+  }
   for (int i = 0; i < data->ncon; ++i) {
     const mjContact& contact = data->contact[i];
     const auto [index, sign] = find_pair(contact);

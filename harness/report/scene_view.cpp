@@ -218,7 +218,8 @@ nlohmann::ordered_json scene_view(const RunResult& run) {
     for (const auto& box : body.at("boxes")) drawn.insert(box.at("name").get<std::string>());
     bodies.push_back(body);
   }
-  const Scene full = build_scene(run.description);
+  LeftOut left_out;
+  const Scene full = build_scene(run.description, left_out);
   for (int i = 0; i < static_cast<int>(full.bodies.size()); ++i) {
     const Body& body = full.bodies[i];
     const bool missing = !body.boxes.empty() && drawn.count(body.boxes.front().name.empty() ? body.name : body.boxes.front().name) == 0;

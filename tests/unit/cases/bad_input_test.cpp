@@ -130,14 +130,14 @@ TEST(BadInput, OverridesAreNamedInTheMessage) {
   EXPECT_EQ(message("crane..type=none"), "an empty key, expected key.path=value");
   EXPECT_EQ(message("duration=long"), "duration: found 'long', expected a number from 0.001 to 3600 s");
   EXPECT_EQ(message("containers.load.mass=0"), "containers.0.mass: found '0', expected a number from 100 to 100000 kg");
-  EXPECT_EQ(message("containers.ship.mass=1"), "containers has no entry 'ship', expected a name or an index below 3");
-  EXPECT_EQ(message("containers.3.mass=1"), "containers has no entry '3', expected a name or an index below 3");
-  EXPECT_EQ(message("containers.-1.mass=1"), "containers has no entry '-1', expected a name or an index below 3");
+  EXPECT_EQ(message("containers.ship.mass=1"), "containers has no entry 'ship', expected a name or an index below 4");
+  EXPECT_EQ(message("containers.4.mass=1"), "containers has no entry '4', expected a name or an index below 4");
+  EXPECT_EQ(message("containers.-1.mass=1"), "containers has no entry '-1', expected a name or an index below 4");
   EXPECT_EQ(message("duration.x=1"), "duration is '30', it has no key 'x'");
   EXPECT_EQ(
       message("crane.hoist.rope_lenght=1"),
       "crane.hoist: unknown key 'rope_lenght' (did you mean 'rope_length'?), expected one of: rope_length, max_speed, "
-      "max_acceleration");
+      "max_acceleration, max_jerk, emergency_stop");
   EXPECT_EQ(message("gravity=[0, 0"), "a list or mapping as a key, expected a word (is a closing bracket missing?)");
 }
 

@@ -39,7 +39,7 @@ TEST(LoadCase, ReadsEveryKey) {
   EXPECT_EQ(c.spreader->mass, 12000);
   EXPECT_EQ(c.spreader->lock_stiffness, 1e8);
 
-  ASSERT_EQ(c.containers.size(), 3u);
+  ASSERT_EQ(c.containers.size(), 4u);
   const auto& [load, lower, upper] = std::tie(c.containers[0], c.containers[1], c.containers[2]);
   EXPECT_EQ(load.name, "load");
   EXPECT_EQ(load.type, ContainerType::iso40_high_cube);
@@ -83,12 +83,49 @@ TEST(LoadCase, ReadsEveryKey) {
   EXPECT_EQ(c.output_interval, 0.05);
 }
 
+TEST(LoadCase, ReadsTheMachines) {
+  const Case c = load_case(kEveryKey);
+  EXPECT_EQ(c.crane.gantry.position, -5);
+  EXPECT_EQ(c.crane.trolley.max_jerk, 0.5);
+  EXPECT_EQ(c.crane.hoist.emergency_stop, 1.5);
+  EXPECT_EQ(c.crane.trim, 0.01);
+  EXPECT_EQ(c.crane.list, -0.02);
+  EXPECT_EQ(c.crane.rope_skew, 0.03);
+  EXPECT_EQ(c.crane.overload, 65000);
+  EXPECT_EQ(c.crane.snag, 3e5);
+  EXPECT_TRUE(c.spreader->flippers);
+  ASSERT_TRUE(c.mafi);
+  EXPECT_EQ(c.mafi->position, Eigen::Vector2d(0, 30));
+  EXPECT_EQ(c.mafi->heading, 90);
+  EXPECT_EQ(c.mafi->stiffness, 1e6);
+  EXPECT_EQ(c.mafi->damping_ratio, 0.2);
+  EXPECT_EQ(c.mafi->deck_height, 1.1);
+  EXPECT_FALSE(c.mafi->guides);
+  EXPECT_EQ(c.mafi->stuck, std::vector<std::string>{"rear_left"});
+  EXPECT_EQ(c.mafi->drive.emergency_stop, 4);
+  ASSERT_TRUE(c.wind);
+  EXPECT_EQ(c.wind->direction, 45);
+  EXPECT_EQ(c.wind->drag, 1.1);
+  EXPECT_TRUE(c.containers[3].on_mafi);
+  ASSERT_EQ(c.stacks.size(), 1u);
+  EXPECT_EQ(c.stacks[0].rows, 3);
+  EXPECT_EQ(c.stacks[0].spacing, Eigen::Vector2d(6.5, 3));
+
+  const Case stacker = load_case("tests/unit/cases/every_key_of_a_reach_stacker.yaml");
+  EXPECT_EQ(stacker.crane.type, "reach_stacker");
+  EXPECT_EQ(stacker.crane.boom.position, 40);
+  EXPECT_EQ(stacker.crane.rotation.max_jerk, 10);
+  EXPECT_EQ(stacker.crane.telescope.max_speed, 0.3);
+  EXPECT_EQ(stacker.crane.pivot_damping, 2e5);
+  EXPECT_EQ(stacker.spreader->picks_up, std::vector<std::string>{"box"});
+}
+
 TEST(LoadCase, ReadsTheScript) {
   using Condition = ScriptEntry::Condition;
   using Speeds = std::vector<std::pair<std::string, double>>;
   using Commands = std::vector<std::pair<std::string, bool>>;
   const std::vector<ScriptEntry> script = load_case(kEveryKey).script;
-  ASSERT_EQ(script.size(), 5u);
+  ASSERT_EQ(script.size(), 8u);
   EXPECT_EQ(script[0].condition, Condition::at);
   EXPECT_EQ(script[0].time, 0);
   EXPECT_EQ(script[0].speeds, (Speeds{{"hoist", -0.4}, {"trolley", 1}}));
@@ -103,6 +140,13 @@ TEST(LoadCase, ReadsTheScript) {
   EXPECT_EQ(script[3].commands, (Commands{{"twistlocks", false}}));
   EXPECT_EQ(script[4].time, 25);
   EXPECT_EQ(script[4].commands, (Commands{{"twistlocks", true}}));
+  EXPECT_EQ(script[5].speeds, (Speeds{{"gantry", 0.5}, {"mafi", 2}, {"wind", 20}}));
+  EXPECT_EQ(script[5].ramps, (Speeds{{"mafi", 4}, {"wind", 1}}));
+  EXPECT_EQ(script[5].commands, (Commands{{"mafi_twistlocks", false}}));
+  EXPECT_EQ(script[6].condition, Condition::contact);
+  EXPECT_TRUE(script[6].emergency_stop);
+  EXPECT_EQ(script[7].condition, Condition::locked);
+  EXPECT_EQ(script[7].ramps, (Speeds{{"hoist", 2}}));
 }
 
 TEST(LoadCase, ReadsTheExpectations) {

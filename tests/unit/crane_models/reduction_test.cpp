@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "crane_models/load_bodies.h"
-#include "crane_models/quayside_crane.h"
+#include "crane_models/rope_crane.h"
 
 namespace quayside::crane_models {
 namespace {
@@ -11,14 +11,14 @@ namespace {
 // A crane with a skewed load, and a box on the ground that load and spreader may meet.
 Scene yard() {
   Scene scene;
-  QuaysideCrane crane;
+  RopeCrane crane = quayside_crane();
   crane.trolley_position = 20;
   crane.trolley_height = 32;
   crane.rope_length = 20;
   crane.skew = 0.1;
-  crane.load = {"load", 30480};
-  crane.load->centre_of_gravity = {0.5, 0.1, -0.2};
-  add_quayside_crane(crane, scene);
+  crane.load_side.loads = {{"load", 30480}};
+  crane.load_side.loads[0].centre_of_gravity = {0.5, 0.1, -0.2};
+  add_rope_crane(crane, scene);
   Body box = box_body("box", {2, 2, 2}, 1000);
   scene.bodies.push_back(box);
   Body ground = box_body("ground", {100, 100, 2}, 0);

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "crane_models/load_bodies.h"
-#include "crane_models/quayside_crane.h"
+#include "crane_models/rope_crane.h"
 #include "crane_models/reduction.h"
 #include "harness/scene_forces.h"
 
@@ -25,13 +25,13 @@ std::shared_ptr<const contact_nn::ContactModule> exact_contact() {
 
 Scene skewed_crane() {
   Scene scene;
-  crane_models::QuaysideCrane crane;
+  crane_models::RopeCrane crane = crane_models::quayside_crane();
   crane.trolley_position = 20;
   crane.trolley_height = 32;
   crane.rope_length = 20;
   crane.skew = 2 * EIGEN_PI / 180;
-  crane.load = {"load", 30480};
-  crane_models::add_quayside_crane(crane, scene);
+  crane.load_side.loads = {{"load", 30480}};
+  crane_models::add_rope_crane(crane, scene);
   scene.pairs = {{1, 0, 2, 0}};
   return scene;
 }

@@ -43,7 +43,7 @@ TEST(EngineVariables, AreNamedAndOrdered) {
   const auto variables = engine_variables(scene);
   for (const Variable& v : variables) names.push_back(v.name);
   const std::vector<std::string> expected{
-      "hoist.value", "hoist.rate", "hoist.acceleration", "twistlocks",
+      "hoist.value", "hoist.rate", "hoist.acceleration", "hoist.jerk", "twistlocks",
       "load.position.x", "load.position.y", "load.position.z",
       "load.orientation.w", "load.orientation.x", "load.orientation.y", "load.orientation.z",
       "load.velocity.x", "load.velocity.y", "load.velocity.z",
@@ -52,9 +52,9 @@ TEST(EngineVariables, AreNamedAndOrdered) {
       "energy.kinetic", "energy.potential", "energy.work_in", "energy.dissipated", "energy.residual"};
   EXPECT_EQ(names, expected);
   EXPECT_EQ(variables[0].start, 18);
-  EXPECT_EQ(variables[3].type, Type::boolean);
-  EXPECT_EQ(variables[3].start, 1);
-  EXPECT_EQ(variables[4].causality, Causality::output);
+  EXPECT_EQ(variables[4].type, Type::boolean);
+  EXPECT_EQ(variables[4].start, 1);
+  EXPECT_EQ(variables[5].causality, Causality::output);
 }
 
 }  // namespace

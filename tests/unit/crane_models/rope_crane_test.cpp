@@ -1,4 +1,4 @@
-#include "crane_models/quayside_crane.h"
+#include "crane_models/rope_crane.h"
 
 #include <gtest/gtest.h>
 
@@ -7,12 +7,12 @@
 namespace quayside::crane_models {
 namespace {
 
-QuaysideCrane loaded_crane() {
-  QuaysideCrane crane;
+RopeCrane loaded_crane() {
+  RopeCrane crane = quayside_crane();
   crane.trolley_position = 20;
   crane.trolley_height = 32;
   crane.rope_length = 20;
-  crane.load = {"load", 30480};
+  crane.load_side.loads = {{"load", 30480}};
   return crane;
 }
 
@@ -23,24 +23,24 @@ const Body& body(const Scene& scene, const std::string& name) {
   throw std::out_of_range(name);
 }
 
-TEST(QuaysideCrane, IsASceneThatEnginesCanBuild) {
+TEST(RopeCrane, IsASceneThatEnginesCanBuild) {
   Scene scene;
-  add_quayside_crane(loaded_crane(), scene);
+  add_rope_crane(loaded_crane(), scene);
   EXPECT_NO_THROW(check(scene));
   EXPECT_EQ(degrees_of_freedom(scene), 12);
   EXPECT_EQ(scene.ropes.size(), 4u);
   Scene without_load;
-  QuaysideCrane crane = loaded_crane();
-  crane.load.reset();
-  add_quayside_crane(crane, without_load);
+  RopeCrane crane = loaded_crane();
+  crane.load_side.loads.clear();
+  add_rope_crane(crane, without_load);
   EXPECT_NO_THROW(check(without_load));
   EXPECT_TRUE(without_load.commands.empty());
 }
 
-TEST(QuaysideCrane, TrolleyRunsAlongTheBoom) {
+TEST(RopeCrane, TrolleyRunsAlongTheBoom) {
   // At coordinate q of its slider the trolley stands at y = q, upright: X_WB = X_PF · T(q, 0, 0) · X_BM⁻¹.
   Scene scene;
-  add_quayside_crane(loaded_crane(), scene);
+  add_rope_crane(loaded_crane(), scene);
   const Body& trolley = body(scene, "trolley");
   const double q = scene.drives[trolley.joint.drive].start;
   const Pose X_WB = trolley.joint.X_PF * Eigen::Translation3d(q, 0, 0) * trolley.joint.X_BM.inverse();
@@ -49,11 +49,11 @@ TEST(QuaysideCrane, TrolleyRunsAlongTheBoom) {
   EXPECT_TRUE(X_WB.linear().isIdentity(1e-14));
 }
 
-TEST(QuaysideCrane, LoadHangsUnderTheSpreaderByTheStretchOfTheTwistlocks) {
-  QuaysideCrane crane = loaded_crane();
+TEST(RopeCrane, LoadHangsUnderTheSpreaderByTheStretchOfTheTwistlocks) {
+  RopeCrane crane = loaded_crane();
   crane.skew = 0.03;
   Scene scene;
-  add_quayside_crane(crane, scene);
+  add_rope_crane(crane, scene);
   const Body& spreader = body(scene, "spreader");
   const Body& load = body(scene, "load");
   const Pose X_SL = spreader.X_WB.inverse() * load.X_WB;
@@ -65,9 +65,9 @@ TEST(QuaysideCrane, LoadHangsUnderTheSpreaderByTheStretchOfTheTwistlocks) {
   EXPECT_NEAR(scene.frames.back().X_BR.translation().z(), -2.591 / 2, 1e-15);
 }
 
-TEST(QuaysideCrane, LandsAtHalfTheWeightOfTheLoad) {
+TEST(RopeCrane, LandsAtHalfTheWeightOfTheLoad) {
   Scene scene;
-  add_quayside_crane(loaded_crane(), scene);
+  add_rope_crane(loaded_crane(), scene);
   ASSERT_EQ(scene.landed_switches.size(), 1u);
   EXPECT_EQ(scene.landed_switches[0].bodies.size(), 2u);
   EXPECT_DOUBLE_EQ(scene.landed_switches[0].threshold, 30480 * 9.81 / 2);
