@@ -90,6 +90,7 @@ int main(int argc, char** argv) {
     harness::add_case_format_command(app);
     harness::add_completion_command(app);
     harness::add_coupling_command(app);
+    harness::add_interface_command(app);
     contact_nn::add_contact_commands(app);
     contact_nn::add_paper_commands(*app.get_subcommand("contact"));
     app.parse(argc, argv);

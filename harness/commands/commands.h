@@ -32,5 +32,6 @@ void add_export_mjcf_command(CLI::App& app);
 void add_case_format_command(CLI::App& app);
 void add_completion_command(CLI::App& app);
 void add_coupling_command(CLI::App& app);
+void add_interface_command(CLI::App& app);
 
 }  // namespace quayside::harness
