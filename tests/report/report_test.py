@@ -20,6 +20,16 @@ def setUpModule():
     done = subprocess.run([PROGRAM, 'run', os.path.join(FOLDER, 'short_landing.yaml'), '--engine', 'simbody,mujoco_same_law',
                            '--out', LIVE['run'], '--quiet'], capture_output=True, text=True)
     assert done.returncode == 1, done.stderr  # one expectation of the case cannot hold
+    case = os.path.join(FOLDER, 'short_landing.yaml')
+    refused = os.path.join(FOLDER, '../unit/cases/bad/unknown_key.yaml')
+    LIVE['validation'] = os.path.join(LIVE['directory'].name, 'validation')
+    done = subprocess.run([PROGRAM, 'validate', case, refused, '--engine', 'simbody', '--out', LIVE['validation']], capture_output=True, text=True)
+    assert done.returncode == 2, done.stderr  # the worst of the two
+    # At 0.1 s a step MuJoCo cannot hold the ropes: a setting that fails.
+    done = subprocess.run([PROGRAM, 'sweep', case, '--integrators', 'bdf,rk4', '--engine', 'simbody,mujoco_same_law', '--tolerances', '1e-3,1e-5',
+                           '--steps', '1e-1', '--repeat', '1', '--reference', '1e-7', '--second-reference', '1e-3', '--out', LIVE['directory'].name],
+                          capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
     LIVE['browser'] = browsers.Browser()
 
 
@@ -69,14 +79,35 @@ CONTRAST = r'''(() => {
 class Report(unittest.TestCase):
     fragment = ''
 
+    def file(self):
+        return os.path.join(LIVE['run'], 'report.html')
+
     def setUp(self):
         self.browser = LIVE['browser']
         self.browser.resize(1280, 900)
         self.browser.prefer('light')
-        self.browser.open(os.path.join(LIVE['run'], 'report.html'), self.fragment)
+        self.browser.open(self.file(), self.fragment)
 
     def tearDown(self):
         self.assertEqual(self.browser.complaints(), [])
+
+    def check_contrast(self):
+        for scheme in ('light', 'dark'):
+            self.browser.prefer(scheme)
+            self.browser.frames()
+            self.assertEqual(self.browser.evaluate(CONTRAST), [], scheme)
+
+    def check_names(self):
+        for node in self.browser.call('Accessibility.getFullAXTree')['nodes']:
+            focusable = any(p['name'] == 'focusable' and p['value'].get('value') for p in node.get('properties', []))
+            if focusable and node.get('role', {}).get('value') not in ('RootWebArea', 'main'):
+                self.assertTrue(node.get('name', {}).get('value', '').strip(), node)
+
+    def check_phone(self):
+        for width in (390, 320):
+            self.browser.resize(width, 800, mobile=True)
+            self.browser.frames()
+            self.assertLessEqual(self.browser.evaluate('document.documentElement.scrollWidth'), width)
 
     def time(self):
         return self.browser.evaluate(TIME)
@@ -208,17 +239,10 @@ class Page(Report):
         self.assertEqual(self.browser.evaluate('performance.getEntriesByType("resource").filter(e => !e.name.startsWith("data:")).length'), 0)
 
     def test_has_enough_contrast(self):
-        for scheme in ('light', 'dark'):
-            self.browser.prefer(scheme)
-            self.browser.frames()
-            self.assertEqual(self.browser.evaluate(CONTRAST), [], scheme)
+        self.check_contrast()
 
     def test_every_control_is_named_and_reached_by_tab(self):
-        for tree in [self.browser.call('Accessibility.getFullAXTree')['nodes']]:
-            for node in tree:
-                focusable = any(p['name'] == 'focusable' and p['value'].get('value') for p in node.get('properties', []))
-                if focusable and node.get('role', {}).get('value') not in ('RootWebArea', 'main'):
-                    self.assertTrue(node.get('name', {}).get('value', '').strip(), node)
+        self.check_names()
         controls = '[...document.querySelectorAll("a[href], button, input, select, canvas[tabindex], [tabindex=\\"0\\"]")].filter(e => e.checkVisibility({visibilityProperty: true}) && !e.closest("dialog"))'
         wanted = self.browser.evaluate(controls + '.length')
         self.browser.evaluate(f'window.controls = {controls}; window.reached = []; '
@@ -230,15 +254,60 @@ class Page(Report):
         self.assertEqual(reached, list(range(wanted)))  # each of them, in the order of the page
 
     def test_fits_a_phone(self):
-        for width in (390, 320):
-            self.browser.resize(width, 800, mobile=True)
-            self.browser.frames()
-            self.assertLessEqual(self.browser.evaluate('document.documentElement.scrollWidth'), width)
+        self.check_phone()
 
     def test_prints(self):
         paper = self.browser.call('Page.printToPDF', printBackground=True)['data']
         self.assertGreater(len(paper), 50000)  # plots and picture are in it
         self.assertEqual(self.browser.evaluate('document.documentElement.dataset.theme ?? "auto"'), 'auto')
+
+
+def column(selector, place):
+    return f'[...document.querySelectorAll("{selector} tbody tr")].map(row => row.children[{place}].textContent)'
+
+
+class SweepReport(Report):
+    def file(self):
+        return os.path.join(LIVE['directory'].name, 'short_landing_sweep.html')
+
+    def test_names_points_and_shows_failures_first(self):
+        with open(self.file().replace('.html', '.csv'), newline='') as stream:
+            table = list(csv.DictReader(stream))
+        failed = [row for row in table if row['failure']]
+        self.assertTrue(failed)
+        self.assertEqual(len(self.browser.evaluate(column('#points', 0))), len(table))
+        marks = self.browser.evaluate('[...document.querySelectorAll("#chart .point")].map(p => p.getAttribute("aria-label"))')
+        self.assertEqual(len(marks), len(table) - len(failed))
+        self.assertTrue(any('on the front' in mark for mark in marks))
+        results = self.browser.evaluate(column('#points', 8))
+        self.assertEqual(['failed' in result for result in results], sorted(('failed' in result for result in results), reverse=True))
+        self.check_contrast()
+        self.check_names()
+        self.check_phone()
+
+    def test_picks_points_and_sorts(self):
+        self.browser.evaluate('document.querySelector("#chart .point").dispatchEvent(new KeyboardEvent("keydown", {key: "Enter"}))')
+        self.assertEqual(self.browser.evaluate('document.querySelectorAll("#points tr.current").length'), 1)
+        self.browser.evaluate('[...document.querySelectorAll("#points thead button")].find(b => b.textContent === "Steps").click()')
+        steps = [float(text) for text in self.browser.evaluate(column('#points', 6))]
+        self.assertEqual(steps, sorted(steps))
+        self.assertEqual(self.browser.evaluate('document.querySelector("#points th[aria-sort]").textContent'), 'Steps')
+
+
+class ValidationReport(Report):
+    def file(self):
+        return os.path.join(LIVE['validation'], 'report.html')
+
+    def test_leads_to_its_runs_failures_first(self):
+        self.assertEqual(self.browser.evaluate(column('#cases', 1)), ['short_landing', 'unknown_key'])
+        text = self.browser.evaluate('document.body.innerText')
+        for wanted in ('2 of 2 cases fail', "unknown key 'duraton'", 'load.position.z at the end < -1 m'):
+            self.assertIn(wanted, text)
+        link = self.browser.evaluate('document.querySelector("#cases a").href')
+        self.assertTrue(os.path.exists(link.replace('file://', '')), link)
+        self.check_contrast()
+        self.check_names()
+        self.check_phone()
 
 
 if __name__ == '__main__':

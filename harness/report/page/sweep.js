@@ -13,7 +13,7 @@ function svgElement(tag, attributes = {}, ...children) {
 
 // Error across, wall time per simulated second up, both in decades: near the lower left corner is best.
 function errorChart(points, groups, pick) {
-  const W = 1000, H = 560, left = 86, right = 24, top = 22, bottom = 58, good = points.filter(p => !p.failure && p.rms > 0 && p.wall_s > 0);
+  const narrow = innerWidth < 700, [W, H] = narrow ? [460, 440] : [1000, 560], left = 86, right = 24, top = 22, bottom = 58, good = points.filter(p => !p.failure && p.rms > 0 && p.wall_s > 0);
   const svg = svgElement('svg', {viewBox: `0 0 ${W} ${H}`, role: 'group', id: 'chart', 'aria-label': 'Speed against error. The table below has the same points.', 'font-size': 14, style: 'width:100%;height:auto'});
   if (!good.length) return element('p', {class: 'soft'}, 'No run came to its end with an error to show.');
   const range = values => {
@@ -25,9 +25,10 @@ function errorChart(points, groups, pick) {
   const y = v => H - bottom - (H - top - bottom) * (Math.log10(v) - ys[0]) / (ys[1] - ys[0]);
   const text = (content, attributes) => svgElement('text', {fill: 'var(--soft)', ...attributes}, content);
   for (const [span, along] of [[xs, true], [ys, false]]) {
-    const every = Math.ceil((span[1] - span[0]) / 10);
-    for (let k = Math.ceil(span[0]); k <= span[1]; k += every) {
-      const v = 10 ** k;
+    const every = Math.ceil((span[1] - span[0]) / (narrow && along ? 4 : 10)), values = [];
+    for (let k = Math.ceil(span[0]) - 1; k <= span[1]; k += every)
+      for (const f of span[1] - span[0] < 2 ? [1, 2, 5] : [1]) values.push(f * 10 ** k);
+    for (const v of values.filter(v => Math.log10(v) >= span[0] && Math.log10(v) <= span[1])) {
       svg.append(along ? svgElement('path', {d: `M${x(v)} ${top}V${H - bottom}`, stroke: 'var(--line)'}) : svgElement('path', {d: `M${left} ${y(v)}H${W - right}`, stroke: 'var(--line)'}),
         along ? text(quantity(v, 'm', 1), {x: x(v), y: H - bottom + 22, 'text-anchor': 'middle'}) : text(quantity(v, 's', 1), {x: left - 10, y: y(v) + 5, 'text-anchor': 'end'}));
     }
@@ -98,7 +99,7 @@ function sweepPage() {
   };
   theme.listeners.push(draw);
   draw();
-  document.getElementById('main').append(card('Speed against error', 'speed', holder, keys,
+  document.getElementById('main').append(card('Speed against error', 'speed-error', holder, keys,
     element('p', {class: 'soft'}, 'Filled: on the front, no other setting is both faster and nearer to the reference. ', data.references)),
   card('All settings, failures first', 'settings', all), originCard({versions: data.versions, command: data.command, case: {file: data.file}}));
   document.documentElement.dataset.ready = 'true';
