@@ -18,7 +18,8 @@ const std::vector<std::string> kColumns{"time [s]",      "engine",         "even
 const std::string kOpen = "contact_open";
 constexpr std::array kKinds{EventKind::contact_made, EventKind::contact_broken, EventKind::rope_slack,
                             EventKind::rope_taut,    EventKind::landed,         EventKind::lifted,
-                            EventKind::lock_closed,  EventKind::lock_opened};
+                            EventKind::lock_closed,  EventKind::lock_opened,
+                            EventKind::lock_refused, EventKind::tripped,     EventKind::stopped};
 
 struct Row {
   const Event* event;

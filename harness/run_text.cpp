@@ -122,6 +122,8 @@ std::string events_text(const RunResult& run, const Style& style) {
   std::vector<std::vector<std::string>> rows;
   for (const FirstEvent& first : {FirstEvent{EventKind::contact_made, "first contact"}, {EventKind::landed, "landed"},
                                   {EventKind::rope_slack, "first rope slack"}, {EventKind::lock_opened, "locks opened"},
+                                  {EventKind::lock_refused, "lock refused"}, {EventKind::tripped, "limit tripped"},
+                                  {EventKind::stopped, "emergency stop"},
                                   {EventKind::lock_closed, "locks closed"}, {EventKind::lifted, "lifted"}}) {
     std::vector<std::string> row{first.text};
     bool happened = false;
@@ -130,6 +132,7 @@ std::string events_text(const RunResult& run, const Style& style) {
       const auto found = std::find_if(engine.events.begin(), engine.events.end(),
                                       [&](const Event& event) { return event.kind == first.kind && event.time > 0; });
       happened = happened || found != engine.events.end();
+      if (found != engine.events.end() && first.kind == EventKind::tripped) row.front() = "tripped: " + found->subject;
       row.push_back(found == engine.events.end() ? "-" : fmt::format("{:.4f} s", seconds(found->time)));
     }
     if (happened) rows.push_back(row);
