@@ -162,7 +162,8 @@ TEST(BuildScene, EveryShippedCaseIsAScene) {
   for (const auto& entry : std::filesystem::directory_iterator("cases")) {
     if (entry.path().extension() != ".yaml") continue;
     SCOPED_TRACE(entry.path().string());
-    const Scene scene = build_scene(cases::load_case(entry.path()));
+    LeftOut left_out;  // of a yard, which is too large to be simulated as a whole
+    const Scene scene = build_scene(cases::load_case(entry.path()), left_out);
     EXPECT_GT(degrees_of_freedom(scene), 0);
     ++count;
   }
