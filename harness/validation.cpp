@@ -109,8 +109,8 @@ std::string csv_text(const std::string& name, const std::string& reference, cons
                      const std::vector<ValidationRow>& rows) {
   std::string text;
   for (const ValidationRow& row : rows) {
-    text += fmt::format("{},{},{},{},{},{},{},{},{},\"{}\"\n", name, reference, engine, row.subject, row.measure, row.value,
-                        row.unit, row.tolerance ? fmt::to_string(*row.tolerance) : "",
+    text += fmt::format("{},{},{},{},{},{:.6g},{},{},{},\"{}\"\n", name, reference, engine, row.subject, row.measure, row.value,
+                        row.unit, row.tolerance ? fmt::format("{:.6g}", *row.tolerance) : "",
                         !row.tolerance ? "" : row.within() ? "yes" : "no", row.reason);
   }
   return text;
