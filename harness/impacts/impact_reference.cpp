@@ -76,7 +76,7 @@ void estimate_tolerances(const std::vector<Impact>& impacts, const ImpactSetup& 
       assert(row != rows.end() && row->response == response.name);
       // Tolerances of velocities are for 1 m/s: relative to what a slow impact has they are larger.
       const double least = kStepsOfABlow * setup.relative_tolerance / std::min(1.0, impacts[i].speed) * response.scale;
-      row->tolerance = std::stod(fmt::format("{:.2g}", std::max(least, kMargin * std::abs(row->value - response.value))));
+      row->tolerance = std::stod(fmt::format("{:.2g}", std::max({least, response.spread, kMargin * std::abs(row->value - response.value)})));
       ++row;
     }
   }

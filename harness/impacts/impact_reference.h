@@ -28,7 +28,7 @@ using ImpactProgress = std::function<bool(std::size_t done, std::size_t all)>;
 std::vector<ReferenceRow> measure_impacts(const std::vector<Impact>& impacts, const ImpactSetup& setup, const ImpactProgress& progress);
 
 // Fills in the tolerances, by what the solver leaves: ten times the difference to a run at a tenth of the tolerance, and at
-// least a hundred steps (more than a blow takes) of the tolerance.
+// least a hundred steps (more than a blow takes) of the tolerance; for times of rest also what 2 % of their limit would change.
 void estimate_tolerances(const std::vector<Impact>& impacts, const ImpactSetup& setup, std::vector<ReferenceRow>& rows,
                          const ImpactProgress& progress);
 

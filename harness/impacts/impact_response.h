@@ -13,7 +13,8 @@ namespace quayside::harness {
 struct ResponseValue {
   std::string name, unit;
   double value;
-  double scale;  // what is much for it: errors of the solver are relative to this
+  double scale;       // what is much for it: errors of the solver are relative to this
+  double spread = 0;  // of a time at which something falls below a limit: how far that moves with 2 % of the limit
 };
 
 struct ImpactSetup {
