@@ -117,7 +117,8 @@ void read_container_place(const Value& value, const Mapping& mapping, const Cont
     container.on_mafi = !container.on_spreader;
     if (container.on_spreader && !context.has_crane)
       on->refuse("there is no crane with a spreader, expected 'crane' and 'spreader', or a position");
-    if (container.on_mafi && !context.has_mafi) on->refuse("there is no trailer, expected 'mafi' with its keys, or a position");
+    if (container.on_mafi && !context.has_mafi)
+      on->refuse("there is no trailer, expected 'mafi' with its keys, or a position");
     for (const char* key : {"yaw", "fixed"}) {
       if (const auto other = mapping.find(key))
         other->refuse(container.on_mafi ? "it stands on the trailer, expected no such key with 'on'"
@@ -226,10 +227,14 @@ void check_picks(const Value& value, const SpreaderSpec& spreader, std::size_t c
   if (carried > 0) value.refuse("the spreader holds a container already, expected no container 'on: spreader'");
   if (spreader.picks_up.size() > (spreader.twin ? 2 : 1)) value.refuse("expected at most one, or two with size: 2x20ft");
   for (const std::string& name : spreader.picks_up) {
-    const auto found = std::find_if(containers.begin(), containers.end(), [&](const auto& c) { return c.name == name; });
-    if (found == containers.end()) value.refuse(fmt::format("no container is called '{}', expected the name of a container", name));
-    if (!fits(spreader, found->type)) value.refuse(fmt::format("the spreader does not fit '{}', expected a container of the spreader's size", name));
-    if (found->fixed) value.refuse(fmt::format("'{}' is part of the ground, expected a container that is not fixed", name));
+    const auto found =
+        std::find_if(containers.begin(), containers.end(), [&](const auto& c) { return c.name == name; });
+    if (found == containers.end())
+      value.refuse(fmt::format("no container is called '{}', expected the name of a container", name));
+    if (!fits(spreader, found->type))
+      value.refuse(fmt::format("the spreader does not fit '{}', expected a container of the spreader's size", name));
+    if (found->fixed)
+      value.refuse(fmt::format("'{}' is part of the ground, expected a container that is not fixed", name));
   }
 }
 
@@ -298,13 +303,15 @@ SpreaderSpec read_spreader(const Value& value, const Context& context) {
     value.refuse("there is no crane to carry it, expected 'crane' with its keys, or no 'spreader'");
   SpreaderSpec spreader;
   const Mapping mapping = value.mapping({"size", "skew", "mass", "lock_stiffness", "flippers", "picks_up"});
-  // A high cube has the corners of a 40 ft box: there is no spreader of its own. Two of 20 ft fill the place of one of 40.
+  // A high cube has the corners of a 40 ft box: there is no spreader of its own. Two of 20 ft fill the place of one of
+  // 40 ft.
   spreader.size = mapping["size"].choice<ContainerType>({{"20ft", ContainerType::iso20},
                                                          {"40ft", ContainerType::iso40},
                                                          {"45ft", ContainerType::iso45},
                                                          {"2x20ft", ContainerType::iso40}});
   spreader.twin = mapping["size"].is_scalar("2x20ft");
-  if (const auto flippers = mapping.find("flippers")) spreader.flippers = flippers->choice<bool>({{"down", true}, {"up", false}});
+  if (const auto flippers = mapping.find("flippers"))
+    spreader.flippers = flippers->choice<bool>({{"down", true}, {"up", false}});
   if (const auto picks_up = mapping.find("picks_up")) {
     for (const Value& name : picks_up->list(2)) spreader.picks_up.push_back(name.name());
   }

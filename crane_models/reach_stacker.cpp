@@ -47,8 +47,10 @@ int add_reach_stacker(const ReachStacker& m, Scene& scene) {
     scene.bodies.push_back(std::move(body));
     return static_cast<int>(scene.bodies.size()) - 1;
   };
-  const int travel = add_drive(scene, "travel", "m", "position of the front axle along y", m.travel_position, 1, m.travel);
-  const int boom_drive = add_drive(scene, "boom", "rad", "angle of the boom above the horizontal", m.boom_angle, 1, m.boom);
+  const int travel =
+      add_drive(scene, "travel", "m", "position of the front axle along y", m.travel_position, 1, m.travel);
+  const int boom_drive =
+      add_drive(scene, "boom", "rad", "angle of the boom above the horizontal", m.boom_angle, 1, m.boom);
   const int telescope =
       add_drive(scene, "telescope", "m", "length by which the boom is pushed out", m.telescope_length, 1, m.telescope);
   const int rotation =
@@ -58,7 +60,8 @@ int add_reach_stacker(const ReachStacker& m, Scene& scene) {
 
   Pose X_WB = Pose::Identity();
   X_WB.translation().y() = m.travel_position;
-  const int truck = add(part("truck", kTruckMass, kTruckSize, {0, -3, 1.5}, slider_along(kY, kWorld, {0, 0, 0}, travel), X_WB));
+  const Joint wheels = slider_along(kY, kWorld, {0, 0, 0}, travel);
+  const int truck = add(part("truck", kTruckMass, kTruckSize, {0, -3, 1.5}, wheels, X_WB));
 
   const Vector3d hinge(0, m.boom_hinge.x(), m.boom_hinge.y());
   X_WB = X_WB * Eigen::Translation3d(hinge) * AngleAxisd(m.boom_angle, Vector3d::UnitX());

@@ -173,7 +173,9 @@ class Checker {
     check_name(limit.name, "load limit", names);
     const std::string what = "load limit " + limit.name;
     require(!limit.ropes.empty(), what, "it watches no rope");
-    for (int rope : limit.ropes) require(rope >= 0 && rope < size(scene_.ropes), what, "a rope it watches is not in the scene");
+    for (int rope : limit.ropes) {
+      require(rope >= 0 && rope < size(scene_.ropes), what, "a rope it watches is not in the scene");
+    }
     require(is_positive(limit.threshold), what, "its threshold must be positive");
     require(is_not_negative(limit.delay), what, "its delay must not be negative");
   }

@@ -104,7 +104,9 @@ void add_rope_crane(const cases::Case& description, crane_models::RopeCrane cran
 
   std::vector<int> ropes(scene.ropes.size());
   std::iota(ropes.begin(), ropes.end(), 0);
-  if (spec.overload) scene.load_limits.push_back({"overload", ropes, *spec.overload * -scene.gravity.z(), kOverloadDelay});
+  if (spec.overload) {
+    scene.load_limits.push_back({"overload", ropes, *spec.overload * -scene.gravity.z(), kOverloadDelay});
+  }
   if (spec.snag) {
     for (const int rope : ropes) scene.load_limits.push_back({"snag." + scene.ropes[rope].name, {rope}, *spec.snag, 0});
   }
@@ -193,7 +195,8 @@ void add_mafi(const cases::Case& description, Scene& scene) {
     if (container.on_mafi) mafi.load = load_of(container);
   }
   if (mafi.twistlocks && !mafi.load) {
-    refuse(description, "mafi.twistlocks", "there is nothing on the trailer that they could hold, expected a container 'on: mafi'");
+    refuse(description, "mafi.twistlocks",
+           "there is nothing on the trailer that they could hold, expected a container 'on: mafi'");
   }
   crane_models::add_mafi(mafi, scene);
 }
@@ -201,7 +204,8 @@ void add_mafi(const cases::Case& description, Scene& scene) {
 void add_pick_ups(const cases::Case& description, Scene& scene) {
   if (!description.spreader) return;
   const auto index_of = [&](const std::string& name) {
-    const auto found = std::find_if(scene.bodies.begin(), scene.bodies.end(), [&](const auto& body) { return body.name == name; });
+    const auto found = std::find_if(scene.bodies.begin(), scene.bodies.end(),
+                                    [&](const auto& body) { return body.name == name; });
     return static_cast<int>(found - scene.bodies.begin());
   };
   const crane_models::LoadSide side = load_side(description, {});

@@ -99,11 +99,17 @@ DriveUnit::DriveUnit(const std::string& name, const cases::Case& description, co
         if (lock.command < 0 || scene.commands[lock.command].name != "twistlocks") continue;
         entry.watched.push_back(watch(signals[find(signals, lock.name + ".closed")]));
       }
-      if (entry.watched.empty()) refuse("when", "no twistlocks close here; \"locked\" needs a container that they hold or pick up");
+      if (entry.watched.empty()) {
+        refuse("when", "no twistlocks close here; \"locked\" needs a container that they hold or pick up");
+      }
       entry.threshold = 0.5;
     } else if (line.condition == ScriptEntry::Condition::contact) {
-      for (const std::string& signal : contacts_of_load(scene)) entry.watched.push_back(watch(signals[find(signals, signal)]));
-      if (entry.watched.empty()) refuse("when", "nothing here can be touched; \"contact\" needs something beside the load");
+      for (const std::string& signal : contacts_of_load(scene)) {
+        entry.watched.push_back(watch(signals[find(signals, signal)]));
+      }
+      if (entry.watched.empty()) {
+        refuse("when", "nothing here can be touched; \"contact\" needs something beside the load");
+      }
       entry.threshold = 0;
     } else if (line.condition != ScriptEntry::Condition::at) {
       std::size_t watched = find(variables_, line.signal);

@@ -45,7 +45,9 @@ std::string distance(const EngineRun& a, const EngineRun& b) {
   return fmt::format("{:.1e}", largest);
 }
 
-std::string counts(int full, int reduced) { return full == reduced ? fmt::format("{}", full) : fmt::format("{} → {}", full, reduced); }
+std::string counts(int full, int reduced) {
+  return full == reduced ? fmt::format("{}", full) : fmt::format("{} → {}", full, reduced);
+}
 
 std::string row(const fs::path& file) {
   const cases::Case description = cases::load_case(file);
@@ -95,7 +97,8 @@ void TableCommand::execute() const {
   std::string whole = text.str();
   const std::size_t begin = whole.find(kBegin), end = whole.find(kEnd);
   if (begin == std::string::npos || end == std::string::npos || end < begin) {
-    throw std::invalid_argument(fmt::format("{}: no place for the table, expected the lines '{}' and '{}'", into, kBegin, kEnd));
+    throw std::invalid_argument(
+        fmt::format("{}: no place for the table, expected the lines '{}' and '{}'", into, kBegin, kEnd));
   }
   whole.replace(begin, end - begin, std::string(kBegin) + "\n\n" + table + "\n");
   std::ofstream file(into);

@@ -118,9 +118,9 @@ void Engine::rewind(const Point& point) {
 // One step of MuJoCo's integrator from `point_`, where the unit stands evaluated, and the evaluation at its
 // end.
 //
-// The work of a drive at a joint: its rate is linear in time but for a jerk, which is small over a step: v = v_m + a (t − t_m)
-// about its middle, so that ∫ F v dt = v_m J + a h² (F₁ − F₀)/12 + O(h⁵). The impulse J is what the armature was held back by: with the
-// force armature × a it would have gained a h.
+// The work of a drive at a joint: its rate is linear in time but for a jerk, which is small over a step, so that with
+// v = v_m + a (t − t_m) about its middle ∫ F v dt = v_m J + a h² (F₁ − F₀)/12 + O(h⁵). The impulse J is what the
+// armature was held back by: with the force armature × a it would have gained a h.
 void Engine::take_step(Time step) {
   mjModel* m = model_.model();
   mjData* d = model_.data();

@@ -93,7 +93,8 @@ TEST(ReachStacker, LoadSwingsAboutItsPivot) {
   Simulation simulation(scene, exact_contact(), kTight);
   ZeroCrossings crossings;
   simulation.run_to(16, 0.01, [&] {
-    crossings.add(simulation.time(), 2 * simulation.get("spreader.orientation.y"), simulation.get("spreader.angular_velocity.y"));
+    crossings.add(simulation.time(), 2 * simulation.get("spreader.orientation.y"),
+                  simulation.get("spreader.angular_velocity.y"));
   });
   const double expected = 2 * kPi * std::sqrt(inertia / moment);
   ASSERT_GE(crossings.times().size(), 3u);
@@ -119,7 +120,8 @@ TEST_P(Topple, SpeedOfAStackOfThree) {
   contact.friction = 1.5;  // it turns and does not slide
   Simulation simulation(scene, contact, 1e-7);
   double largest_tilt = 0;
-  simulation.run_to(factor > 1 ? 3.2 : 2, 0.02, [&] { largest_tilt = std::max(largest_tilt, simulation.get("stack.tilt")); });
+  simulation.run_to(factor > 1 ? 3.2 : 2, 0.02,
+                    [&] { largest_tilt = std::max(largest_tilt, simulation.get("stack.tilt")); });
   const double balance = std::atan2(b, h);
   if (factor > 1) {
     EXPECT_GT(largest_tilt, 2 * balance);

@@ -191,7 +191,8 @@ TEST(LoadSide, TwinLoadsFillThePlaceOfAFortyFootBox) {
   crane.trolley_height = 32;
   crane.rope_length = 20;
   crane.load_side.spreader.twin = true;
-  crane.load_side.loads = {{"west", 20000, spreader::ContainerSize::iso20}, {"east", 10000, spreader::ContainerSize::iso20}};
+  crane.load_side.loads = {{"west", 20000, spreader::ContainerSize::iso20},
+                           {"east", 10000, spreader::ContainerSize::iso20}};
   add_rope_crane(crane, scene);
   EXPECT_NO_THROW(check(scene));
   EXPECT_NEAR(body(scene, "west").X_WB.translation().x() - 6.058 / 2, -12.192 / 2, 1e-12);
