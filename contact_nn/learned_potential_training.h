@@ -25,8 +25,8 @@ BoxPair sample_landing(LandingPoses poses, double reach, Random& random, const l
 
 struct PotentialTrainingOptions {
   std::string domain = learned::kLanding;
-  std::size_t pairs = 400000;
-  long steps = 200000;
+  std::size_t pairs = 800000;
+  long steps = 600000;
   std::uint64_t seed = 1;
   std::function<void(long step, double loss)> progress;  // now and then
 };

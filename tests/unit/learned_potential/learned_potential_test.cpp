@@ -234,10 +234,10 @@ TEST(LearnedPotential, ShippedNetworkIsAsGoodAsPublished) {
     return potential_errors(*module, pairs);
   };
   const PotentialErrors any = errors(LandingPoses::any), aligned = errors(LandingPoses::aligned);
-  EXPECT_LT(any.force_median, 0.007);
-  EXPECT_LT(any.force_p99, 0.1);
-  EXPECT_LT(aligned.force_median, 0.002);
-  EXPECT_LT(aligned.force_p99, 0.02);
+  EXPECT_LT(any.force_median, 0.004);
+  EXPECT_LT(any.force_p99, 0.065);
+  EXPECT_LT(aligned.force_median, 0.001);
+  EXPECT_LT(aligned.force_p99, 0.006);
   EXPECT_EQ(any.covered, 1);
 }
 
