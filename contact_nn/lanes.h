@@ -65,8 +65,34 @@ inline void store_eight(const Eight& v, double* x) { std::memcpy(x, &v, sizeof v
 inline Eight abs(const Eight& v) {
   return reinterpret_cast<Eight>(reinterpret_cast<EightFlags>(v) & (EightFlags{} + INT64_MAX));
 }
+#ifdef __AVX512F__
 inline Eight larger(const Eight& a, const Eight& b) { return a > b ? a : b; }
 inline Eight smaller(const Eight& a, const Eight& b) { return a < b ? a : b; }
+inline Eight if_positive(const Eight& x, const Eight& yes, const Eight& no) { return x > Eight{} ? yes : no; }
+#else
+// Choices and shuffles between vectors wider than the machine's are taken apart lane by lane by GCC 12: halves are not.
+template <class Operation, class... Others>
+Eight by_halves(Operation op, const Eight& first, const Others&... others) {
+  const auto half = [](const Eight& v, int which) {
+    Four h;
+    std::memcpy(&h, reinterpret_cast<const char*>(&v) + which * sizeof h, sizeof h);
+    return h;
+  };
+  const Four halves[2] = {op(half(first, 0), half(others, 0)...), op(half(first, 1), half(others, 1)...)};
+  Eight result;
+  std::memcpy(&result, halves, sizeof result);
+  return result;
+}
+inline Eight larger(const Eight& a, const Eight& b) {
+  return by_halves([](const Four& x, const Four& y) { return larger(x, y); }, a, b);
+}
+inline Eight smaller(const Eight& a, const Eight& b) {
+  return by_halves([](const Four& x, const Four& y) { return smaller(x, y); }, a, b);
+}
+inline Eight if_positive(const Eight& x, const Eight& yes, const Eight& no) {
+  return by_halves([](const Four& v, const Four& y, const Four& n) { return v > Four{} ? y : n; }, x, yes, no);
+}
+#endif
 inline Eight square_root(const Eight& v) {
   alignas(Eight) double x[kEight];
   store_eight(v, x);
@@ -74,15 +100,24 @@ inline Eight square_root(const Eight& v) {
   return load_eight(x);
 }
 
-inline bool any(const EightFlags& x) {
-  std::int64_t found = 0;
-  for (int i = 0; i < kEight; ++i) found |= x[i];
-  return found != 0;
+inline double least(const Eight& x) {
+  double value[kEight];
+  store_eight(x, value);
+  for (int i = 1; i < kEight; ++i) value[0] = std::min(value[0], value[i]);
+  return value[0];
 }
 inline double sum(const Eight& x) { return ((x[0] + x[1]) + (x[2] + x[3])) + ((x[4] + x[5]) + (x[6] + x[7])); }
 
 // Transposes an 8 × 8 matrix: neighbours are exchanged, then pairs of them, then halves.
 inline void transpose(Eight (&m)[kEight]) {
+#ifndef __AVX512F__
+  alignas(Eight) double rows[kEight][kEight], columns[kEight][kEight];
+  for (int i = 0; i < kEight; ++i) store_eight(m[i], rows[i]);
+  for (int i = 0; i < kEight; ++i)
+    for (int j = 0; j < kEight; ++j) columns[j][i] = rows[i][j];
+  for (int i = 0; i < kEight; ++i) m[i] = load_eight(columns[i]);
+  return;
+#endif
   Eight t[kEight];
   for (int i = 0; i < 8; i += 2) {
     t[i] = __builtin_shufflevector(m[i], m[i + 1], 0, 8, 2, 10, 4, 12, 6, 14);
@@ -103,6 +138,12 @@ inline void transpose(Eight (&m)[kEight]) {
 // Lane k of the answer is what the lanes of the k-th come to under an associative operation.
 template <class Operation>
 Eight lanes_of_each(const Eight (&m)[kEight], Operation op) {
+#ifndef __AVX512F__
+  Eight lane[kEight];
+  std::copy_n(m, kEight, lane);
+  transpose(lane);
+  return op(op(op(lane[0], lane[1]), op(lane[2], lane[3])), op(op(lane[4], lane[5]), op(lane[6], lane[7])));
+#endif
   Eight t[4];
   for (int i = 0; i < 4; ++i)
     t[i] = op(__builtin_shufflevector(m[2 * i], m[2 * i + 1], 0, 8, 2, 10, 4, 12, 6, 14),

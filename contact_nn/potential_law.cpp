@@ -136,19 +136,19 @@ Pressure pressure(const Moments& w, double c, const AffineFromFirst& s) {
 Pressure damped_pressure(const EightPieces& pieces, double unit, const Moments& w, double c, const AffineFromFirst& s) {
   Pressure result = pressure(w, c, s);
   const Eight u0 = load_eight(pieces.u[0]), v0 = load_eight(pieces.v[0]);
-  Eight least = s.c;
+  Eight slowest = s.c;
   for (int k = 1; k < pieces.vertices; ++k)
-    least = smaller(least, s.c + s.u * (load_eight(pieces.u[k]) - u0) + s.v * (load_eight(pieces.v[k]) - v0));
-  const EightFlags pulls = 1 + c * least < Eight{};
-  if (!any(pulls)) return result;
+    slowest = smaller(slowest, s.c + s.u * (load_eight(pieces.u[k]) - u0) + s.v * (load_eight(pieces.v[k]) - v0));
+  const Eight pull = -1 - c * slowest;  // positive where some part of a piece pulls
+  if (least(-pull) >= 0) return result;
 
   EightPieces pressed;
   clip_pieces(pieces, 1 + c * (s.c - s.u * u0 - s.v * v0), c * s.u, c * s.v, pressed);
   const Eight du = load_eight(pressed.u[0]) - u0, dv = load_eight(pressed.v[0]) - v0;
   const Pressure part = pressure(moments_of(pressed, unit), c, {s.c + s.u * du + s.v * dv, s.u, s.v});
-  result.one = pulls ? part.one : result.one;
-  result.u = pulls ? part.u + du * part.one : result.u;
-  result.v = pulls ? part.v + dv * part.one : result.v;
+  result.one = if_positive(pull, part.one, result.one);
+  result.u = if_positive(pull, part.u + du * part.one, result.u);
+  result.v = if_positive(pull, part.v + dv * part.one, result.v);
   return result;
 }
 
@@ -185,8 +185,7 @@ ContactForce potential_force(const Box& a, const Box& b, const Pose& X_AB, const
   for (int i = 0; i < pieces.eights(); ++i) {
     const Moments& w = moments[i];
     const Placed piece = places.place(pieces, i);
-    const EightFlags loaded = w.one > Eight{};  // not so: no piece, or a sliver within rounding
-    const Eight inverse = loaded ? 1 / w.one : Eight{};
+    const Eight inverse = if_positive(w.one, 1 / w.one, Eight{});  // zero: no piece, or a sliver within rounding
     const Eight mean_u = w.u * inverse, mean_v = w.v * inverse;
     const Vectors centre = piece.first + mean_u * piece.along_u + mean_v * piece.along_v;
     elastic += w.one;
