@@ -86,7 +86,7 @@ TEST_F(CommandLine, RunWritesItsFilesAndTellsWhatItDid) {
   std::set<std::string> files;
   for (const auto& entry : fs::directory_iterator(out_)) files.insert(entry.path().filename());
   EXPECT_EQ(files, (std::set<std::string>{"trajectory_simbody.csv", "trajectory_mujoco_same_law.csv", "trajectory_mujoco.csv",
-                                          "events.csv", "summary.json"}));
+                                          "events.csv", "summary.json", "report.html"}));
   const std::string trajectory = read(out_ / "trajectory_simbody.csv");
   EXPECT_EQ(trajectory.rfind("time [s],", 0), 0u);
   EXPECT_NE(trajectory.find("box.position.z [m]"), std::string::npos);
