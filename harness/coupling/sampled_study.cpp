@@ -20,11 +20,10 @@ constexpr double kGravity = 9.81;                  // [m/s²]
 // hundreds of them in one impact add up to 2 % of the speed.
 constexpr double kTolerance = 1e-9;
 
-// A body that ought to rest is pushed by so much; half a percent of that is left when it does, or more than all of it.
-constexpr double kPush = 1e-3;      // [m/s]
-constexpr double kStillness = 0.1;  // of the push
-constexpr double kRestDuration = 3;  // [s]
-constexpr int kHalvings = 8;
+// A body at rest is pushed by so little that all is linear; what it does then dies away or grows in so many steps.
+constexpr double kPush = 1e-5;  // [m/s], [rad/s]
+constexpr int kRestSteps = 120;
+constexpr int kHalvings = 9;
 
 cases::Case container_on_ground(double step) {
   cases::Case description;
@@ -67,21 +66,29 @@ double bounce_by_theory(double step, double stiffness) {
 
 bool rests(const std::string& engine, const std::string& direction, double step) {
   cases::Case description = container_on_ground(step);
-  description.duration = kRestDuration;
+  description.duration = kRestSteps * step;
   cases::BodySpec& container = description.bodies.front();
   container.position.z() -= kMass * kGravity / description.contact.stiffness;
+  std::string signal = "container.velocity.z";
+  if (direction == "vertical") container.velocity.z() = -kPush;
+  if (direction == "rocking") {
+    container.angular_velocity.x() = kPush;
+    signal = "container.angular_velocity.x";
+  }
   if (direction == "sideways") {
     description.contact.friction = cases::ContactSpec{}.friction;
     container.velocity.y() = kPush;
-  } else {
-    container.velocity.z() = -kPush;
+    signal = "container.velocity.y";
   }
   const EngineRun run = run_once(description, engine);
   if (run.failure) return false;
-  const auto& speed = column(run, direction == "sideways" ? "container.velocity.y" : "container.velocity.z");
-  double last = 0;
-  for (std::size_t i = speed.size() * 9 / 10; i < speed.size(); ++i) last = std::max(last, std::abs(speed[i]));
-  return last < kStillness * kPush;
+  const auto& speed = column(run, signal);
+  const auto largest = [&](std::size_t first, std::size_t last) {
+    double largest = 0;
+    for (std::size_t i = first; i < last; ++i) largest = std::max(largest, std::abs(speed[i]));
+    return largest;
+  };
+  return largest(2 * speed.size() / 3, speed.size()) < largest(0, speed.size() / 3);
 }
 
 }  // namespace
@@ -108,11 +115,13 @@ std::vector<SampledRest> sampled_rests() {
   const cases::ContactSpec contact;
   const double depth = kMass * kGravity / contact.stiffness;
   const double vertical = 2 * contact_nn::damping_for(contact.restitution, contact.reference_speed) * depth;
-  const double sideways = 2 * contact.transition_speed / (contact.friction * kGravity);
+  // Friction acts half a height below the middle, on 1/m + (H/2)²/I with I = m (W² + H²)/12 for a reciprocal mass.
+  const double height = kSize.z() * kSize.z(), width = kSize.y() * kSize.y();
+  const double sideways = 2 * contact.transition_speed / (contact.friction * kGravity * (1 + 3 * height / (width + height)));
   std::vector<SampledRest> limits;
   for (const std::string& engine : kSampledEngines) {
-    for (const auto& [direction, theory] : {std::pair("vertical", vertical), {"sideways", sideways}}) {
-      double low = 0.5 * theory, high = 2 * theory;
+    for (const auto& [direction, theory] : {std::pair("vertical", vertical), {"rocking", vertical}, {"sideways", sideways}}) {
+      double low = 0, high = 2 * theory;
       for (int i = 0; i < kHalvings; ++i) (rests(engine, direction, 0.5 * (low + high)) ? low : high) = 0.5 * (low + high);
       limits.push_back({engine, direction, theory, low});
     }

@@ -4,7 +4,8 @@
 // On a flat contact of stiffness k a held force is the explicit step of an oscillator, x' = x + h v − ½ h² ω² x,
 // v' = v − h ω² x with ω² = k/m: its amplitude grows by √(1 + ω²h²/2) a step, so a body leaves faster than it came, by
 // about exp(π ω h / 4). Damping that grows with the load, k x (1 + c v), makes a body of static depth δ rest as long as
-// h < 2 c δ; friction that grows to μ N over a speed v_s holds it as long as h < 2 v_s / (μ g).
+// h < 2 c δ, in heaving and in rocking; friction that grows to μ N over a speed v_s holds it as long as h < 2 v_s m'/(μ m g),
+// where m' is the mass of the body as friction feels it at the contact, below the centre of mass.
 #pragma once
 
 #include <optional>
@@ -28,7 +29,7 @@ std::vector<SampledBounce> sampled_bounces(const std::vector<double>& steps);
 
 // The container rests on the ground; the longest step with which it still does.
 struct SampledRest {
-  std::string engine, direction;  // "vertical", "sideways"
+  std::string engine, direction;  // "vertical", "rocking" (about the length), "sideways" (along the width)
   double theory = 0, found = 0;   // [s]
 };
 std::vector<SampledRest> sampled_rests();
