@@ -63,12 +63,14 @@ class ArkodeIntegrator final : public Integrator {
   Context context_;
   Vector y_, tolerances_, y_scratch_, correction_;
   Matrix matrix_;
+  BlockLu lu_;
   LinearSolver linear_solver_;
   Owner<void*, free_solver> arkode_;
 };
 
 ArkodeIntegrator::ArkodeIntegrator(ArkodeMethod method, OdeSystem& system, const IntegratorSettings& settings)
-    : method_(method), callbacks_(system), quadrature_(system, settings.quadratures) {
+    : method_(method), callbacks_(system), quadrature_(system, settings.quadratures),
+      lu_(static_cast<int>(settings.tolerances.size()), settings.blocks) {
   const auto demand = [&](int flag, const char* what) { callbacks_.demand(flag, what); };
   const auto n = static_cast<sunindextype>(settings.tolerances.size());
   demand(SUNContext_Create(nullptr, &context_.value), "SUNContext_Create");
@@ -86,7 +88,7 @@ ArkodeIntegrator::ArkodeIntegrator(ArkodeMethod method, OdeSystem& system, const
   } else {
     demand(ARKStepSetTableNum(arkode_, ARKODE_SDIRK_5_3_4, ARKODE_ERK_NONE), "ARKStepSetTableNum");
     matrix_.value = SUNDenseMatrix(n, n, context_);
-    linear_solver_.value = SUNLinSol_Dense(y_, matrix_, context_);
+    linear_solver_.value = new_block_solver(lu_, context_);
     demand(ARKStepSetLinearSolver(arkode_, linear_solver_, matrix_), "ARKStepSetLinearSolver");
     demand(ARKStepSetJacFn(arkode_, jacobian), "ARKStepSetJacFn");
   }

@@ -47,13 +47,14 @@ class CvodesIntegrator final : public Integrator {
   Context context_;
   Vector y_, tolerances_, z_, y_scratch_, z_scratch_;
   Matrix matrix_;
+  BlockLu lu_;
   LinearSolver linear_solver_;
   Owner<SUNNonlinearSolver, free_nonlinear_solver> nonlinear_solver_;
   Owner<void*, free_solver> cvodes_;
 };
 
 CvodesIntegrator::CvodesIntegrator(CvodesMethod method, OdeSystem& system, const IntegratorSettings& settings)
-    : method_(method), callbacks_(system) {
+    : method_(method), callbacks_(system), lu_(static_cast<int>(settings.tolerances.size()), settings.blocks) {
   const auto demand = [&](int flag, const char* what) { callbacks_.demand(flag, what); };
   const auto n = static_cast<sunindextype>(settings.tolerances.size());
   demand(SUNContext_Create(nullptr, &context_.value), "SUNContext_Create");
@@ -70,7 +71,7 @@ CvodesIntegrator::CvodesIntegrator(CvodesMethod method, OdeSystem& system, const
   demand(CVodeSVtolerances(cvodes_, 0, tolerances_), "CVodeSVtolerances");
   if (method == CvodesMethod::bdf) {
     matrix_.value = SUNDenseMatrix(n, n, context_);
-    linear_solver_.value = SUNLinSol_Dense(y_, matrix_, context_);
+    linear_solver_.value = new_block_solver(lu_, context_);
     demand(CVodeSetLinearSolver(cvodes_, linear_solver_, matrix_), "CVodeSetLinearSolver");
     demand(CVodeSetJacFn(cvodes_, Callbacks::jacobian), "CVodeSetJacFn");
     demand(CVodeSetProjFn(cvodes_, Callbacks::project), "CVodeSetProjFn");  // which CVODES has for BDF alone

@@ -32,6 +32,7 @@ struct IntegratorSettings {
   std::vector<double> tolerances;  // what the local error of each component of y may be, absolutely
   int quadratures = 0;             // components of z, which take no part in the choice of steps
   double max_step = 0;             // 0: no bound
+  std::vector<std::vector<int>> blocks{};  // components of y that belong to one body; see BlockLu
 };
 
 class Integrator {

@@ -24,6 +24,7 @@ class MultibodyModel {
 
   int size() const { return static_cast<int>(quantities_.size()); }
   const std::vector<Quantity>& quantities() const { return quantities_; }  // of each coordinate
+  const std::vector<std::vector<int>>& blocks() const { return blocks_; }  // coordinates of bodies that joints connect
   const std::vector<int>& quaternions() const { return quaternions_; }     // where in y each begins
 
   // What the drives do from `reference` on, until told otherwise.

@@ -146,7 +146,7 @@ class SimbodyUnit final : public SceneEngine {
         dynamics_(model_, monitor_.groups()),
         integrator_(make_integrator(solver.integrator, dynamics_,
                                     {tolerances(model_, solver.relative_tolerance),
-                                     static_cast<int>(integrals_.size()), solver.max_step})),
+                                     static_cast<int>(integrals_.size()), solver.max_step, model_.blocks()})),
         y_(model_.size()),
         y_then_(y_.size()),
         integrals_then_(integrals_.size()) {

@@ -11,6 +11,27 @@ static_assert(ARK_ERR_FAILURE == CV_ERR_FAILURE && ARK_CONV_FAILURE == CV_CONV_F
               ARK_TOO_MUCH_ACC == CV_TOO_MUCH_ACC && ARK_LSETUP_FAIL == CV_LSETUP_FAIL &&
               ARK_LSOLVE_FAIL == CV_LSOLVE_FAIL);
 
+SUNLinearSolver new_block_solver(BlockLu& lu, SUNContext context) {
+  SUNLinearSolver solver = SUNLinSolNewEmpty(context);
+  solver->content = &lu;
+  solver->ops->gettype = [](SUNLinearSolver) { return SUNLINEARSOLVER_DIRECT; };
+  solver->ops->initialize = [](SUNLinearSolver) { return static_cast<int>(SUNLS_SUCCESS); };
+  solver->ops->setup = [](SUNLinearSolver self, SUNMatrix matrix) {
+    const bool done = static_cast<BlockLu*>(self->content)->factor(SUNDenseMatrix_Data(matrix));
+    return static_cast<int>(done ? SUNLS_SUCCESS : SUNLS_LUFACT_FAIL);
+  };
+  solver->ops->solve = [](SUNLinearSolver self, SUNMatrix, N_Vector x, N_Vector b, realtype) {
+    if (x != b) N_VScale(1, b, x);
+    static_cast<BlockLu*>(self->content)->solve(data(x));
+    return static_cast<int>(SUNLS_SUCCESS);
+  };
+  solver->ops->free = [](SUNLinearSolver self) {
+    SUNLinSolFreeEmpty(self);
+    return static_cast<int>(SUNLS_SUCCESS);
+  };
+  return solver;
+}
+
 std::string reason(int flag, const char* library, const std::string& detail) {
   switch (flag) {
     case CV_ERR_FAILURE:

@@ -8,9 +8,10 @@
 
 #include <fmt/format.h>
 #include <nvector/nvector_serial.h>
-#include <sunlinsol/sunlinsol_dense.h>
+#include <sundials/sundials_linearsolver.h>
 #include <sunmatrix/sunmatrix_dense.h>
 
+#include "harness/simbody/block_lu.h"
 #include "harness/simbody/integrator.h"
 
 namespace quayside::harness::sundials {
@@ -99,6 +100,9 @@ class Callbacks {
   std::exception_ptr exception_;
   std::string message_;
 };
+
+// Solves with a dense matrix by its blocks; `lu` must outlive it.
+SUNLinearSolver new_block_solver(BlockLu& lu, SUNContext context);
 
 // CVODES and ARKODE have the same numbers for the same failures.
 std::string reason(int flag, const char* library, const std::string& detail);
