@@ -263,6 +263,81 @@ TEST(DriveUnit, RestoredStateContinuesIdentically) {
   EXPECT_THROW(other.unit.restore(UnitState(3)), std::invalid_argument);
 }
 
+// --- Drives that obey an input in place of the script ---------------------------------------------------------------
+
+ValueReference reference(const DriveUnit& unit, const std::string& name) {
+  for (ValueReference i = 0; i < unit.variables().size(); ++i) {
+    if (unit.variables()[i].name == name) return i;
+  }
+  throw std::invalid_argument(name);
+}
+
+// The trolley is asked for 2 m/s from 1 s on, which it has after 2.5 s at 0.8 m/s²; the script, which asked for −1 m/s at the
+// start, does not move it, and goes on moving the hoist.
+TEST(DriveUnit, ADriveThatIsHandedOverObeysItsInputAlone) {
+  Player player({at(0, {{"trolley", -1.0}, {"hoist", 0.5}})});
+  DriveUnit unit = player.unit;
+  unit.reset();
+  unit.hand_over("trolley", true);
+  unit.enter_initialization_mode(0);
+  unit.update_discrete_states();
+  EXPECT_FALSE(unit.needs_event_mode());
+  Time now = unit.do_step(0, kSecond).time;
+  EXPECT_EQ(unit.get(reference(unit, "trolley.value")), 20);
+  EXPECT_NEAR(unit.get(reference(unit, "hoist.rate")), -0.5, kRounding) << "up: shorter ropes";
+
+  unit.set(reference(unit, "command.trolley"), 2);
+  EXPECT_TRUE(unit.needs_event_mode()) << "only an event can start a ramp";
+  EXPECT_EQ(unit.get(reference(unit, "trolley.acceleration")), 0) << "and none has happened";
+  EXPECT_EQ(unit.update_discrete_states(), std::optional<Time>(3500 * kMillisecond)) << "the end of the ramp is announced";
+  EXPECT_FALSE(unit.needs_event_mode());
+  now = unit.do_step(now, 2500 * kMillisecond).time;
+  unit.update_discrete_states();
+  EXPECT_EQ(now, 3500 * kMillisecond);
+  EXPECT_EQ(unit.get(reference(unit, "trolley.rate")), 2);
+  EXPECT_NEAR(unit.get(reference(unit, "trolley.value")), 20 + 0.5 * 2 * 2.5, kRounding);
+
+  unit.set(reference(unit, "command.trolley"), 100);  // cut to 4 m/s, 2 m/s away
+  EXPECT_EQ(unit.update_discrete_states(), std::optional<Time>(now + 2500 * kMillisecond));
+}
+
+TEST(DriveUnit, ACommandThatIsHandedOverObeysItsInputAlone) {
+  ScriptEntry open = at(0, {});
+  open.commands = {{"twistlocks", false}};
+  Player player({open});
+  DriveUnit unit = player.unit;
+  unit.reset();
+  unit.hand_over("twistlocks", true);
+  unit.enter_initialization_mode(0);
+  unit.update_discrete_states();
+  EXPECT_EQ(unit.get(reference(unit, "twistlocks")), 1) << "the script would have opened them";
+  unit.set(reference(unit, "command.twistlocks"), 0);
+  EXPECT_TRUE(unit.needs_event_mode());
+  EXPECT_EQ(unit.get(reference(unit, "twistlocks")), 1);
+  unit.update_discrete_states();
+  EXPECT_EQ(unit.get(reference(unit, "twistlocks")), 0);
+  EXPECT_THROW(unit.hand_over("boom", true), std::invalid_argument);
+}
+
+// What an input asked for is part of the state; whom a drive obeys is not.
+TEST(DriveUnit, InputsAreSavedAndRestored) {
+  Player player({});
+  DriveUnit unit = player.unit;
+  unit.hand_over("trolley", true);
+  unit.set(reference(unit, "command.trolley"), 2);
+  unit.update_discrete_states();
+  unit.do_step(0, kSecond);
+  const UnitState saved = unit.save();
+  unit.do_step(kSecond, kSecond);
+  const UnitState end = unit.save();
+  unit.set(reference(unit, "command.trolley"), -2);
+  unit.update_discrete_states();
+  unit.restore(saved);
+  EXPECT_FALSE(unit.needs_event_mode());
+  unit.do_step(kSecond, kSecond);
+  EXPECT_EQ(unit.save(), end);
+}
+
 TEST(DriveUnit, ResetStartsAgain) {
   Player player({at(0, {{"trolley", 1.0}})});
   const UnitState begin = player.unit.save();

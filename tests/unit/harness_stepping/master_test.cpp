@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <limits>
+#include <tuple>
 
 #include <gtest/gtest.h>
 
@@ -232,6 +233,75 @@ TEST(Master, AUnitMayAskForTheEnd) {
   EXPECT_EQ(master.time(), 2 * kSecond);
   master.terminate();
   EXPECT_TRUE(plant.terminated);
+}
+
+// For a master above this one: a step ends at an event, which is dealt with when that one says so.
+TEST(Master, CanBeSteppedInPieces) {
+  MockUnit plant("plant"), timer("timer");
+  bool wish = false;
+  timer.on_event = [](Time now) -> std::optional<Time> { return now < kSecond ? std::optional<Time>(kSecond) : std::nullopt; };
+  plant.on_step = [&](Time now, Time step) {
+    const Time end = now + step > 1500 * kMillisecond && now < 1500 * kMillisecond ? 1500 * kMillisecond : now + step;
+    return StepResult{end, end == 1500 * kMillisecond};
+  };
+  plant.asks_for_event = [&] { return wish; };
+  Master master;
+  master.add(plant);
+  master.add(timer);
+  master.initialize(0);
+  EXPECT_EQ(master.next_event(), std::optional<Time>(kSecond));
+  EXPECT_FALSE(master.advance_to_event(kSecond / 2));
+  EXPECT_EQ(master.time(), kSecond / 2);
+  EXPECT_TRUE(master.advance_to_event(2 * kSecond)) << "the timer's";
+  EXPECT_EQ(master.time(), kSecond);
+  EXPECT_TRUE(plant.event_modes.empty()) << "nobody has dealt with it";
+  master.handle_event();
+  EXPECT_EQ(plant.event_modes, (std::vector<Time>{kSecond}));
+  EXPECT_EQ(master.next_event(), std::nullopt);
+  EXPECT_TRUE(master.advance_to_event(2 * kSecond)) << "the plant's own";
+  EXPECT_EQ(master.time(), 1500 * kMillisecond);
+  master.handle_event();
+  EXPECT_FALSE(master.needs_event_mode());
+  wish = true;
+  EXPECT_TRUE(master.needs_event_mode());
+  EXPECT_TRUE(master.advance_to_event(2 * kSecond)) << "a unit asks for event mode";
+  EXPECT_EQ(master.time(), 2 * kSecond);
+}
+
+// Saved together with its units, it goes on as if nothing had happened: it knows its time, the next event, and what it has
+// handed over already.
+TEST(Master, ContinuesFromASavedState) {
+  MockUnit plant("plant"), timer("timer");
+  const auto out = plant.output("x"), in = timer.input("x");
+  plant.on_step = [&](Time now, Time step) {
+    plant.values[out] = seconds(now + step);
+    return StepResult{now + step};
+  };
+  timer.on_event = [](Time now) -> std::optional<Time> { return (now / 300 + 1) * 300; };
+  Master master;
+  master.add(plant);
+  master.add(timer);
+  master.connect("plant::x", "timer::x");
+  master.initialize(0);
+  master.advance_to(700);
+  const UnitState plant_then = plant.save(), timer_then = timer.save();
+  ByteWriter out_bytes;
+  master.save(out_bytes);
+  const UnitState master_then = out_bytes.take();
+  const auto go_on = [&] {
+    plant.steps.clear();
+    master.advance_to(1300);
+    return std::tuple(plant.steps, timer.values, master.time(), master.next_event());
+  };
+  const auto first = go_on();
+  plant.restore(plant_then);
+  timer.restore(timer_then);
+  ByteReader in_bytes(master_then);
+  master.restore(in_bytes);
+  in_bytes.finish();
+  EXPECT_EQ(master.time(), 700);
+  EXPECT_EQ(go_on(), first);
+  EXPECT_EQ(timer.values[in], seconds(1300));
 }
 
 TEST(Master, ValuesThatAreNotFiniteAreNotPassedOn) {

@@ -28,6 +28,7 @@ class MockUnit : public EngineUnit {
   std::function<StepResult(Time now, Time step)> on_step = [](Time now, Time step) { return StepResult{now + step}; };
   std::function<std::optional<Time>(Time now)> on_event = [](Time) { return std::nullopt; };
   std::function<void()> on_initialize = [] {};
+  std::function<bool()> asks_for_event = [] { return false; };
 
   // What was done to it.
   std::vector<double> values;
@@ -60,6 +61,7 @@ class MockUnit : public EngineUnit {
     now = result.time;
     return result;
   }
+  bool needs_event_mode() const override { return asks_for_event(); }
   UnitState save() override {
     ByteWriter out;
     out.put(now);
