@@ -194,13 +194,16 @@ class Player {
 
   // The largest forces as numbers beside their arrows; in the left picture where there are two.
   drawForceTexts({arrows}, columns) {
-    const matrix = this.camera.matrix(this.view.clientWidth / columns / this.view.clientHeight), texts = [];
+    const matrix = this.camera.matrix(this.view.clientWidth / columns / this.view.clientHeight), texts = [], taken = [];
     for (const arrow of arrows.slice().sort((a, b) => b.force - a.force).slice(0, 8)) {
       const [x, y, , w] = project(matrix, arrow.tip);
       if (w <= 0 || Math.abs(x) > 1 || Math.abs(y) > 1 || arrow.force < .02 * this.scene.usualForce) continue;
+      const [left, top] = [(x + 1) / 2 * this.view.clientWidth / columns, (1 - y) / 2 * this.view.clientHeight];
+      if (taken.some(([a, b]) => Math.abs(a - left) < 72 && Math.abs(b - top) < 17)) continue;  // the larger one is told
+      taken.push([left, top]);
       const made = element('span', {class: 'overlay force'}, quantity(arrow.force, 'N', 3));
-      made.style.left = (x + 1) / 2 * this.view.clientWidth / columns + 'px';
-      made.style.top = (1 - y) / 2 * this.view.clientHeight + 'px';
+      made.style.left = left + 'px';
+      made.style.top = top + 'px';
       texts.push(made);
     }
     this.forceTexts.replaceChildren(...texts);
