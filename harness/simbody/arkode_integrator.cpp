@@ -15,7 +15,7 @@ using namespace sundials;
 
 void free_solver(void* memory) { ARKStepFree(&memory); }
 
-// Explicit stages that are not finite end the library's step for good: it is begun anew, this much shorter each time.
+// Stages that are not finite end the library's step for good: it is begun anew, this much shorter each time.
 constexpr double kShorter = 0.1;
 
 class ArkodeIntegrator final : public Integrator {
@@ -125,7 +125,7 @@ double ArkodeIntegrator::step(double stop) {
   const auto evolve = [&] { return ARKStepEvolve(arkode_, time_ + kOutlook, y_scratch_, &reached, ARK_ONE_STEP); };
   int flag = evolve();
   double tried = stop - time_;
-  while (method_ == ArkodeMethod::explicit_runge_kutta && flag == ARK_RHSFUNC_FAIL && tried > kShortestStep) {
+  while (flag <= ARK_RHSFUNC_FAIL && flag >= ARK_UNREC_RHSFUNC_ERR && !callbacks_.threw() && tried > kShortestStep) {
     ARKStepGetCurrentStep(arkode_, &tried);
     tried *= kShorter;
     begin(tried);

@@ -54,6 +54,7 @@ class Callbacks {
  public:
   explicit Callbacks(OdeSystem& system) : system_(system) {}
 
+  bool threw() const { return exception_ != nullptr; }
   void rethrow() {
     if (exception_) std::rethrow_exception(std::exchange(exception_, nullptr));
   }
