@@ -20,7 +20,7 @@ namespace quayside::peers {
 namespace {
 
 struct Options {
-  std::size_t poses = 1000, bounces = 2000;
+  std::size_t poses = 1000, bounces = 1000;
   std::uint64_t seed = 1;
   Effort effort;
   std::vector<std::string> only;
