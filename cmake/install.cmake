@@ -3,6 +3,7 @@
 #   quayside       the program with what it puts into FMUs, the cases, the documentation
 #   quayside-dev   libraries, headers and find_package(Quayside): Quayside::contact, Quayside::harness, Quayside::case_unit
 include(GNUInstallDirs)
+set(CMAKE_INSTALL_DOCDIR ${CMAKE_INSTALL_DATAROOTDIR}/doc/quayside)
 include(CMakePackageConfigHelpers)
 set(CMAKE_SKIP_INSTALL_ALL_DEPENDENCY ON)  # the tests need not be built to install
 
@@ -13,10 +14,14 @@ install(TARGETS quayside quayside_fmu
 file(RELATIVE_PATH program_link /${CMAKE_INSTALL_BINDIR} /${program_dir}/quayside)
 file(CREATE_LINK ${program_link} ${CMAKE_BINARY_DIR}/installed_link SYMBOLIC)
 install(FILES ${CMAKE_BINARY_DIR}/installed_link DESTINATION ${CMAKE_INSTALL_BINDIR} RENAME quayside COMPONENT runtime)
+add_custom_command(OUTPUT completion.bash COMMAND quayside completion > completion.bash DEPENDS quayside VERBATIM)
+add_custom_target(completion ALL DEPENDS completion.bash)
+install(FILES ${CMAKE_BINARY_DIR}/completion.bash RENAME quayside
+  DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions COMPONENT runtime)
 set_target_properties(quayside_fmu PROPERTIES INSTALL_RPATH "\$ORIGIN")
 install(DIRECTORY cases/ DESTINATION ${CMAKE_INSTALL_DATADIR}/quayside/cases COMPONENT runtime
   FILES_MATCHING PATTERN "*.yaml" PATTERN "*.csv" PATTERN "schema.json")
-foreach(document README.md cases/README.md contact_nn/README.md contact_nn/paper/README.md harness/README.md spreader/README.md)
+foreach(document README.md cases/README.md cases/format.md contact_nn/README.md contact_nn/paper/README.md harness/README.md spreader/README.md)
   get_filename_component(folder ${document} DIRECTORY)
   install(FILES ${document} DESTINATION ${CMAKE_INSTALL_DOCDIR}/${folder} COMPONENT runtime)
 endforeach()

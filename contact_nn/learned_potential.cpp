@@ -6,6 +6,7 @@
 
 #include "contact_nn/embedded_networks.h"
 #include "contact_nn/law_parameters.h"
+#include "contact_nn/separating_axes.h"
 
 namespace quayside::contact_nn {
 
@@ -447,6 +448,11 @@ class LearnedModuleOf final : public LearnedModule {
     int lanes = 0;
     for (int i = 0; i < n; ++i) {
       const LearnedPair& x = pairs[i];
+      if (surely_apart(x.a, x.b, x.X_AB)) {  // most pairs of a yard: not worth a view, let alone a lane
+        ++counters.queries;
+        forces[i] = {};
+        continue;
+      }
       const Canonical canonical(x.X_AB, cross_from_);
       View<double> one;
       fill(one, 0, canonical, x.a, x.b, x.X_AB);

@@ -137,7 +137,7 @@ void add_case_format_command(CLI::App& app) {
   command->footer(
       "Examples:\n"
       "  quayside case-format | less\n"
-      "  quayside case-format > docs/case-format.md   # after a change of cases/schema.json");
+      "  quayside case-format > cases/format.md   # after a change of cases/schema.json");
   command->callback([] { fmt::print("{}", CaseFormat().markdown()); });
 }
 

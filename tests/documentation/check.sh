@@ -7,13 +7,13 @@ failed=0
 fail() { echo "FAILED: $*"; failed=1; }
 
 # The reference is what the program makes of the schema today.
-diff -u "$root/docs/case-format.md" <("$quayside" case-format) ||
-  fail "docs/case-format.md is not what 'quayside case-format' prints; run: quayside case-format > docs/case-format.md"
+diff -u "$root/cases/format.md" <("$quayside" case-format) ||
+  fail "cases/format.md is not what 'quayside case-format' prints; run: quayside case-format > cases/format.md"
 
 # Every key of the schema stands in it, at the end of its path.
-python3 - "$root" <<'END' || fail "docs/case-format.md lacks keys of the schema"
+python3 - "$root" <<'END' || fail "cases/format.md lacks keys of the schema"
 import json, sys
-text = open(sys.argv[1] + '/docs/case-format.md').read()
+text = open(sys.argv[1] + '/cases/format.md').read()
 def keys(node):
     if isinstance(node, dict):
         yield from node.get('properties', {})
