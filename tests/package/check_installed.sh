@@ -16,7 +16,7 @@ test -s "$place/run/summary.json"
 
 for example in contact_query step_case; do
   cp -r "$prefix/share/doc/quayside/examples/$example" "$place/$example"
-  { "$cmake" -S "$example" -B "$example/build" -DCMAKE_PREFIX_PATH="$prefix" -DCMAKE_BUILD_TYPE=Release &&
+  { "$cmake" -G Ninja -S "$example" -B "$example/build" -DCMAKE_PREFIX_PATH="$prefix" -DCMAKE_BUILD_TYPE=Release &&
     "$cmake" --build "$example/build"; } >"$example.log" 2>&1 || { cat "$example.log"; exit 1; }
 done
 
