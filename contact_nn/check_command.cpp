@@ -1,7 +1,5 @@
 #include "contact_nn/check_command.h"
 
-#include <unistd.h>
-
 #include <chrono>
 #include <cstdio>
 #include <memory>
@@ -11,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "contact_nn/evaluation.h"
+#include "contact_nn/status_line.h"
 
 namespace quayside::contact_nn {
 namespace {
@@ -35,17 +34,13 @@ void print(const Evaluation& evaluation) {
 }
 
 void run_check(EvaluationOptions options) {
-  const bool terminal = isatty(STDERR_FILENO) != 0;
-  if (terminal) {
-    options.progress = [](double done) {
-      fmt::print(stderr, "\r{:.0f} %", 100 * done);
-      std::fflush(stderr);
-    };
-  }
   const auto start = std::chrono::steady_clock::now();
-  const Evaluation evaluation = evaluate_committee(options);
+  const Evaluation evaluation = [&options] {
+    StatusLine status;
+    options.progress = [&status](double done) { status.show(fmt::format("{:.0f} %", 100 * done)); };
+    return evaluate_committee(options);
+  }();
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  if (terminal) fmt::print(stderr, "\r\033[K");
   fmt::print("{} poses, seed {}, {:.0f} s\n\n", options.poses, options.seed, seconds);
   print(evaluation);
   if (evaluation.failures() > 0)

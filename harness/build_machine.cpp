@@ -26,10 +26,6 @@ constexpr double kOverloadDelay = 0.5;
 
 constexpr double kDegree = EIGEN_PI / 180;
 
-[[noreturn]] void refuse(const cases::Case& description, const std::string& key, const std::string& message) {
-  throw cases::CaseError(fmt::format("{}: {}: {}", description.file.string(), key, message));
-}
-
 // `unit`: 1, or radians per degree.
 void override_limits(const cases::DriveSpec& spec, crane_models::DriveLimits& limits, double unit = 1) {
   const auto set = [&](const std::optional<double>& value, double& limit) {
@@ -153,6 +149,10 @@ void require_gravity(const cases::Case& description, const Scene& scene, const c
 }
 
 }  // namespace
+
+void refuse(const cases::Case& description, const std::string& key, const std::string& message) {
+  throw cases::CaseError(fmt::format("{}: {}: {}", description.file.string(), key, message));
+}
 
 spreader::ContainerSize container_size(cases::ContainerType type) {
   switch (type) {

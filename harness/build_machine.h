@@ -1,11 +1,16 @@
 // The machines of a case: crane and trailer with what they carry, by the words of the case file.
 #pragma once
 
+#include <string>
+
 #include "cases/case.h"
 #include "crane_models/scene.h"
 #include "spreader/container.h"
 
 namespace quayside::harness {
+
+// Throws the cases::CaseError for what only shows when a case is built: its file, the key, what is wrong.
+[[noreturn]] void refuse(const cases::Case& description, const std::string& key, const std::string& message);
 
 spreader::ContainerSize container_size(cases::ContainerType type);
 

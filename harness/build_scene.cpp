@@ -33,10 +33,6 @@ constexpr double kAllowedOverlap = 1e-3;
 
 constexpr double kDegree = EIGEN_PI / 180;
 
-[[noreturn]] void refuse(const cases::Case& description, const std::string& key, const std::string& message) {
-  throw cases::CaseError(fmt::format("{}: {}: {}", description.file.string(), key, message));
-}
-
 double height(const cases::ContainerSpec& container) {
   return spreader::container_data(container_size(container.type)).size.z();
 }

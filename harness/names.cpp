@@ -1,31 +1,16 @@
 #include "harness/names.h"
 
 #include <algorithm>
-#include <numeric>
 
 #include <fmt/ranges.h>
+
+#include "cases/edit_distance.h"
 
 namespace quayside::harness {
 
 namespace {
 
 constexpr std::size_t kListed = 5;  // names in a message: enough to hold the one that was meant, few enough to read
-
-// Levenshtein distance.
-std::size_t edits(const std::string& a, const std::string& b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), std::size_t{0});
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    std::size_t diagonal = row[0];
-    row[0] = i;
-    for (std::size_t j = 1; j <= b.size(); ++j) {
-      const std::size_t replaced = diagonal + (a[i - 1] != b[j - 1]);
-      diagonal = row[j];
-      row[j] = std::min({row[j] + 1, row[j - 1] + 1, replaced});
-    }
-  }
-  return row.back();
-}
 
 }  // namespace
 
@@ -35,7 +20,7 @@ std::string nearest_names(const std::string& wanted, const std::vector<std::stri
   for (const std::string& name : names) {
     // A name that continues what was written ("load.position" for load.position.z) is nearer than its length says.
     const bool continues = name.compare(0, wanted.size(), wanted) == 0;
-    ranked.emplace_back(continues ? 0 : edits(wanted, name), name);
+    ranked.emplace_back(continues ? 0 : cases::edit_distance(wanted, name), name);
   }
   std::stable_sort(ranked.begin(), ranked.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
   const bool all = ranked.size() <= kListed;

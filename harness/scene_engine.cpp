@@ -334,7 +334,7 @@ UnitState SceneEngine::save() {
   for (const char set : input_is_set_) out.put(set);
   for (const DriveInput& input : drives_) {
     out.put(input.since);
-    for (const double x : {input.motion.value, input.motion.rate, input.motion.acceleration, input.motion.jerk}) out.put(x);
+    for (std::size_t k = 0; k < kPerDrive; ++k) out.put(component(input.motion, k));
   }
   for (const char closed : locks_closed_) out.put(closed);
   for (const char told : locks_told_) out.put(told);
@@ -354,7 +354,9 @@ void SceneEngine::restore(const UnitState& state) {
   for (char& set : input_is_set_) in.get(set);
   for (DriveInput& input : drives_) {
     in.get(input.since);
-    for (double* x : {&input.motion.value, &input.motion.rate, &input.motion.acceleration, &input.motion.jerk}) in.get(*x);
+    double motion[kPerDrive];
+    in.get(motion, kPerDrive);
+    input.motion = motion_of(motion);
   }
   for (char& closed : locks_closed_) in.get(closed);
   for (char& told : locks_told_) in.get(told);

@@ -18,21 +18,6 @@ Json quantile(const std::vector<double>& sorted, double part) {
   return sorted[std::clamp<std::size_t>(rank, 1, sorted.size()) - 1];
 }
 
-Json to_json(const Event& event) {
-  return {{"time", seconds(event.time)},
-          {"event", to_string(event.kind)},
-          {"subject", event.subject},
-          {"impulse", event.impulse},
-          {"peak_force", event.peak_force},
-          {"duration", event.duration}};
-}
-
-Json to_json(const std::vector<Event>& events) {
-  Json list = Json::array();
-  for (const Event& event : events) list.push_back(to_json(event));
-  return list;
-}
-
 Json case_json(const cases::Case& description) {
   return {{"name", description.name},
           {"title", description.title},
@@ -120,6 +105,21 @@ EvaluatedRun evaluate(RunResult run) {
     evaluated.comparisons.push_back(compare_engines(engines.front(), engines[i]));
   evaluated.expectations = evaluate_expectations(evaluated.run);
   return evaluated;
+}
+
+nlohmann::ordered_json to_json(const Event& event) {
+  return {{"time", seconds(event.time)},
+          {"event", to_string(event.kind)},
+          {"subject", event.subject},
+          {"impulse", event.impulse},
+          {"peak_force", event.peak_force},
+          {"duration", event.duration}};
+}
+
+nlohmann::ordered_json to_json(const std::vector<Event>& events) {
+  Json list = Json::array();
+  for (const Event& event : events) list.push_back(to_json(event));
+  return list;
 }
 
 nlohmann::ordered_json to_json(const TrajectoryComparison& comparison) {

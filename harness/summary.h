@@ -29,6 +29,8 @@ EvaluatedRun evaluate(RunResult run);
 // `error_budget` (where it was asked for), `interrupted`. Numbers in SI units; what is not finite or not known is null. `command`: as the user gave it.
 nlohmann::ordered_json summary(const EvaluatedRun& evaluated, const std::string& command);
 
+nlohmann::ordered_json to_json(const Event& event);
+nlohmann::ordered_json to_json(const std::vector<Event>& events);
 nlohmann::ordered_json to_json(const TrajectoryComparison& comparison);
 nlohmann::ordered_json to_json(const EventComparison& comparison);
 nlohmann::ordered_json to_json(const ExpectationResult& result);

@@ -40,15 +40,6 @@ CurveTable curve_table(const RunResult& run, const EngineRun& engine) {
   return table;
 }
 
-Json event_json(const Event& event) {
-  return {{"time", seconds(event.time)},
-          {"event", to_string(event.kind)},
-          {"subject", event.subject},
-          {"impulse", event.impulse},
-          {"peak_force", event.peak_force},
-          {"duration", event.duration}};
-}
-
 }  // namespace
 
 std::string run_report(const EvaluatedRun& evaluated, const std::string& command) {
@@ -57,8 +48,7 @@ std::string run_report(const EvaluatedRun& evaluated, const std::string& command
   Json events = Json::object();
   for (const EngineRun& engine : run.engines) {
     tables.push_back(curve_table(run, engine));
-    events[engine.engine] = Json::array();
-    for (const Event& event : engine.events) events[engine.engine].push_back(event_json(event));
+    events[engine.engine] = to_json(engine.events);
   }
   return page("run", run.description.title,
               {{"summary", summary(evaluated, command)},

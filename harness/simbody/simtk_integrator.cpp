@@ -57,7 +57,7 @@ std::unique_ptr<SimTK::Integrator> make(SimtkMethod method, const SimTK::System&
   throw std::logic_error("an integrator of unknown kind");
 }
 
-// Dense output is the cubic through values and rates at the ends of a step, as Simbody's own interpolation is.
+// Dense output is the cubic through values and rates at the ends of a step.
 class SimtkIntegrator final : public Integrator {
  public:
   SimtkIntegrator(SimtkMethod method, OdeSystem& system, const IntegratorSettings& settings);
@@ -157,11 +157,7 @@ double SimtkIntegrator::step(double stop) {
 }
 
 void SimtkIntegrator::interpolate(double t, double* y) const {
-  const double h = time_ - step_begin_;
-  const HermiteWeights hermite(h > 0 ? (t - step_begin_) / h : 1, h);
-  for (std::size_t i = 0; i < y_.size(); ++i) {
-    y[i] = hermite.w[0] * y_begin_[i] + hermite.w[1] * rate_begin_[i] + hermite.w[2] * y_[i] + hermite.w[3] * rate_[i];
-  }
+  interpolate_cubic({step_begin_, time_, y_begin_, rate_begin_, y_, rate_}, t, y);
 }
 
 void SimtkIntegrator::interpolate(double t, double* y, double* z) const {

@@ -10,13 +10,22 @@
 
 namespace quayside::harness {
 
-// Weights of the cubic through values and rates at the ends of a step of length h, at the fraction s of it:
-// value_begin · w[0] + rate_begin · w[1] + value_end · w[2] + rate_end · w[3].
-struct HermiteWeights {
-  double w[4];
-  HermiteWeights(double s, double h)
-      : w{(1 + 2 * s) * (1 - s) * (1 - s), h * s * (1 - s) * (1 - s), s * s * (3 - 2 * s), h * s * s * (s - 1)} {}
+// A step's ends: values and rates there.
+struct StepEnds {
+  double t_begin, t_end;
+  const std::vector<double>&begin, &rate_begin, &end, &rate_end;
 };
+
+// The cubic through them at t, as Simbody's own interpolation is.
+inline void interpolate_cubic(const StepEnds& step, double t, double* out) {
+  const double h = step.t_end - step.t_begin, s = h > 0 ? (t - step.t_begin) / h : 1;
+  const double w_begin = (1 + 2 * s) * (1 - s) * (1 - s), w_rate_begin = h * s * (1 - s) * (1 - s);
+  const double w_end = s * s * (3 - 2 * s), w_rate_end = h * s * s * (s - 1);
+  for (std::size_t i = 0; i < step.end.size(); ++i) {
+    out[i] = w_begin * step.begin[i] + w_rate_begin * step.rate_begin[i] + w_end * step.end[i] +
+             w_rate_end * step.rate_end[i];
+  }
+}
 
 class StepQuadrature {
  public:
@@ -44,12 +53,7 @@ class StepQuadrature {
   }
 
   void interpolate(double t, double* z) const {
-    const double h = time_ - begin_;
-    const HermiteWeights hermite(h > 0 ? (t - begin_) / h : 1, h);
-    for (std::size_t i = 0; i < z_.size(); ++i) {
-      z[i] = hermite.w[0] * z_begin_[i] + hermite.w[1] * rate_begin_[i] + hermite.w[2] * z_[i] +
-             hermite.w[3] * rate_[i];
-    }
+    interpolate_cubic({begin_, time_, z_begin_, rate_begin_, z_, rate_}, t, z);
   }
 
  private:

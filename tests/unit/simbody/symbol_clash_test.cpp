@@ -6,31 +6,10 @@
 
 #include <Simbody.h>
 
-#include "harness/simbody/integrator.h"
+#include "tests/unit/simbody/oscillator.h"
 
 namespace quayside::harness {
 namespace {
-
-// x'' = −x from x = 1: x = cos t, and ∫x dt = sin t.
-class Oscillator final : public OdeSystem {
- public:
-  bool derivative(double, const double* y, double* y_dot) override {
-    y_dot[0] = y[1];
-    y_dot[1] = -y[0];
-    return true;
-  }
-  bool quadrature(double, const double* y, double* z_dot) override {
-    z_dot[0] = y[0];
-    return true;
-  }
-  bool jacobian(double, const double*, const double*, double* jacobian) override {
-    jacobian[0] = jacobian[3] = 0;
-    jacobian[1] = -1;
-    jacobian[2] = 1;
-    return true;
-  }
-  void project(const double*, double* correction, double*) override { correction[0] = correction[1] = 0; }
-};
 
 // Local errors of 1e-9 a step add up over some hundred steps of a neutral oscillator.
 constexpr double kTolerance = 1e-9;
