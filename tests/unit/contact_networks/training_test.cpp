@@ -81,8 +81,9 @@ TEST(Training, OnlyTheFirstThreeCountInTheLossOfTheFirstThree) {
 }
 
 // A linear layer on strongly correlated inputs: the squares' Hessian has the eigenvalues 1 + (n − 1) c and 1 − c, here some
-// 1e4 apart, along directions that mix all inputs. A method that scales single weights crawls along the flat ones; one that
-// finds the directions does not.
+// 1e4 apart, along directions that mix all inputs. A method that scales single weights crawls along the flat ones (Adam is
+// wrong by 0.03 after as many steps); one that finds the directions does not: at most 1e-3 over twelve seeds and three vector
+// widths, whose rounding decides how far exactly.
 TEST(Training, TheOptimiserFindsTheAxesOfCorrelatedInputs) {
   constexpr int kInputs = 12, kSamples = 200;
   Random random(4);
@@ -95,13 +96,13 @@ TEST(Training, TheOptimiserFindsTheAxesOfCorrelatedInputs) {
   Eigen::VectorXf bias = Eigen::VectorXf::Zero(3);
   const Eigen::MatrixXf targets = (wanted * inputs).colwise() + Eigen::Vector3f(1, -2, 0.5);
   Soap soap(3, kInputs);
-  constexpr int kSteps = 1000;
+  constexpr int kSteps = 2000;
   for (int step = 0; step < kSteps; ++step) {
     const Eigen::MatrixXf error = ((weights * inputs - targets).colwise() + bias) / kSamples;
     soap.step(weights, bias, error * inputs.transpose(), error.rowwise().sum(), 0.05 * (1 - step / double(kSteps)));
   }
-  EXPECT_LT((weights - wanted).cwiseAbs().maxCoeff(), 1e-2);
-  EXPECT_LT((bias - Eigen::Vector3f(1, -2, 0.5)).cwiseAbs().maxCoeff(), 1e-2);
+  EXPECT_LT((weights - wanted).cwiseAbs().maxCoeff(), 3e-3);
+  EXPECT_LT((bias - Eigen::Vector3f(1, -2, 0.5)).cwiseAbs().maxCoeff(), 3e-3);
 }
 
 Samples sine_samples(int count, std::uint64_t seed) {
