@@ -29,6 +29,7 @@ struct DriveSpec {
   std::optional<double> max_acceleration;  // [m/s²]
   std::optional<double> max_jerk;          // [m/s³]; 0: the acceleration may jump
   std::optional<double> emergency_stop;    // its deceleration [m/s²]
+  std::optional<Eigen::Vector2d> range;    // of its value, between limit switches [m]
 };
 
 struct CraneSpec {
@@ -38,7 +39,7 @@ struct CraneSpec {
   double trolley_height = 0;               // of the upper sheaves above the ground [m]
   double rope_length = 0;                  // rest length of the hoist ropes at the start [m]
   DriveSpec gantry, trolley, hoist;        // no gantry position: the crane does not travel
-  double trim = 0, list = 0, rope_skew = 0;  // differences of rope length [m]
+  DriveSpec trim, list, skew;              // differences of rope length; no position: the crane has no such drive
   // reach_stacker
   DriveSpec travel, boom, telescope, rotation, side_shift;
   std::optional<double> pivot_damping;     // of each pivot [N m s/rad]

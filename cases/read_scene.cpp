@@ -26,17 +26,26 @@ ContainerType read_container_type(const Value& value) {
                                       {"45ft", ContainerType::iso45}});
 }
 
+// Between its limit switches.
+void read_range(const Mapping& mapping, const Range& bounds, DriveSpec& drive) {
+  mapping.vector<2>("range", bounds, drive.range);
+  if (drive.range && !(drive.range->x() < drive.range->y())) {
+    mapping["range"].refuse("the first end is not below the second, expected [lowest, highest]");
+  }
+}
+
 void read_drive_limits(const Mapping& mapping, DriveSpec& drive) {
   mapping.number("max_speed", kMaxSpeed, drive.max_speed);
   mapping.number("max_acceleration", kMaxAcceleration, drive.max_acceleration);
   mapping.number("max_jerk", kMaxJerk, drive.max_jerk);
   mapping.number("emergency_stop", kMaxAcceleration, drive.emergency_stop);
+  read_range(mapping, kPosition, drive);
 }
 
 // A drive of which nothing but its place is particular to the machine.
 DriveSpec read_drive(const Value& value, const Range& position) {
   DriveSpec drive;
-  const Mapping mapping = value.mapping({"position", "max_speed", "max_acceleration", "max_jerk", "emergency_stop"});
+  const Mapping mapping = value.mapping({"position", "range", "max_speed", "max_acceleration", "max_jerk", "emergency_stop"});
   drive.position = mapping["position"].number(position);
   read_drive_limits(mapping, drive);
   return drive;
@@ -45,27 +54,32 @@ DriveSpec read_drive(const Value& value, const Range& position) {
 // The same for one that turns.
 DriveSpec read_turning_drive(const Value& value, const Range& position) {
   DriveSpec drive;
-  const Mapping mapping = value.mapping({"position", "max_speed", "max_acceleration", "max_jerk", "emergency_stop"});
+  const Mapping mapping = value.mapping({"position", "range", "max_speed", "max_acceleration", "max_jerk", "emergency_stop"});
   drive.position = mapping["position"].number(position);
   mapping.number("max_speed", kMaxTurningSpeed, drive.max_speed);
   mapping.number("max_acceleration", kMaxTurningAcceleration, drive.max_acceleration);
   mapping.number("max_jerk", kMaxTurningJerk, drive.max_jerk);
   mapping.number("emergency_stop", kMaxTurningAcceleration, drive.emergency_stop);
+  read_range(mapping, kAngle, drive);
   return drive;
 }
 
 void read_rope_crane(const Mapping& mapping, CraneSpec& crane) {
   if (const auto gantry = mapping.find("gantry")) crane.gantry = read_drive(*gantry, kPosition);
   const Mapping trolley = mapping["trolley"].mapping(
-      {"position", "height", "max_speed", "max_acceleration", "max_jerk", "emergency_stop"});
+      {"position", "height", "range", "max_speed", "max_acceleration", "max_jerk", "emergency_stop"});
   crane.trolley_position = trolley["position"].number(kTrolleyPosition);
   crane.trolley_height = trolley["height"].number(kTrolleyHeight);
   read_drive_limits(trolley, crane.trolley);
 
   const Mapping hoist =
-      mapping["hoist"].mapping({"rope_length", "max_speed", "max_acceleration", "max_jerk", "emergency_stop"});
+      mapping["hoist"].mapping({"rope_length", "range", "max_speed", "max_acceleration", "max_jerk", "emergency_stop"});
   crane.rope_length = hoist["rope_length"].number(kRopeLength);
   read_drive_limits(hoist, crane.hoist);
+
+  if (const auto trim = mapping.find("trim")) crane.trim = read_drive(*trim, kRopeDifference);
+  if (const auto list = mapping.find("list")) crane.list = read_drive(*list, kRopeDifference);
+  if (const auto skew = mapping.find("skew")) crane.skew = read_drive(*skew, kRopeDifference);
 
   if (const auto sheaves = mapping.find("sheaves")) {
     const Mapping rectangles = sheaves->mapping({"trolley", "spreader"});
@@ -73,12 +87,9 @@ void read_rope_crane(const Mapping& mapping, CraneSpec& crane) {
     rectangles.vector<2>("spreader", kSheaves, crane.spreader_sheaves);
   }
   if (const auto ropes = mapping.find("ropes")) {
-    const Mapping rope = ropes->mapping({"stiffness", "damping_time", "trim", "list", "skew"});
+    const Mapping rope = ropes->mapping({"stiffness", "damping_time"});
     rope.number("stiffness", kRopeStiffness, crane.rope_stiffness);
     rope.number("damping_time", kDampingTime, crane.rope_damping_time);
-    rope.number("trim", kRopeDifference, crane.trim);
-    rope.number("list", kRopeDifference, crane.list);
-    rope.number("skew", kRopeDifference, crane.rope_skew);
   }
   if (const auto limits = mapping.find("limits")) {
     const Mapping limit = limits->mapping({"overload", "snag"});
@@ -100,8 +111,8 @@ void read_reach_stacker(const Mapping& mapping, CraneSpec& crane) {
 
 // The sections that belong to a machine; it has none of the others.
 const std::map<std::string, std::set<std::string>> kSectionsOfMachines{
-    {"quayside", {"gantry", "trolley", "hoist", "sheaves", "ropes", "limits"}},
-    {"rtg", {"gantry", "trolley", "hoist", "sheaves", "ropes", "limits"}},
+    {"quayside", {"gantry", "trolley", "hoist", "trim", "list", "skew", "sheaves", "ropes", "limits"}},
+    {"rtg", {"gantry", "trolley", "hoist", "trim", "list", "skew", "sheaves", "ropes", "limits"}},
     {"reach_stacker", {"travel", "boom", "telescope", "rotation", "side_shift", "pivots"}},
     {"none", {}}};
 
@@ -242,7 +253,7 @@ void check_picks(const Value& value, const SpreaderSpec& spreader, std::size_t c
 
 CraneSpec read_crane(const Value& value) {
   CraneSpec crane;
-  const Mapping mapping = value.mapping({"type", "gantry", "trolley", "hoist", "sheaves", "ropes", "limits", "travel",
+  const Mapping mapping = value.mapping({"type", "gantry", "trolley", "hoist", "trim", "list", "skew", "sheaves", "ropes", "limits", "travel",
                                          "boom", "telescope", "rotation", "side_shift", "pivots"});
   crane.type = mapping["type"].word({"quayside", "rtg", "reach_stacker", "none"});
   const auto& sections = kSectionsOfMachines.at(crane.type);
@@ -264,7 +275,7 @@ MafiSpec read_mafi(const Value& value) {
   MafiSpec mafi;
   const Mapping mapping =
       value.mapping({"position", "heading", "size", "deck_height", "deck_mass", "suspension", "guides", "twistlocks",
-                     "stuck", "max_speed", "max_acceleration", "max_jerk", "emergency_stop"});
+                     "stuck", "range", "max_speed", "max_acceleration", "max_jerk", "emergency_stop"});
   mafi.position = mapping["position"].vector<2>(kPosition);
   mapping.number("heading", kAngle, mafi.heading);
   if (const auto size = mapping.find("size")) {

@@ -125,7 +125,7 @@ void read_speed(const char* drive, const Value& value, const Range& range, Scrip
 ScriptEntry read_script_entry(const Value& value, const Context& context) {
   ScriptEntry entry;
   const Mapping mapping =
-      value.mapping({"at", "when", "after", "gantry", "trolley", "hoist", "travel", "boom", "telescope", "rotation",
+      value.mapping({"at", "when", "after", "gantry", "trolley", "hoist", "trim", "list", "skew", "travel", "boom", "telescope", "rotation",
                      "side_shift", "mafi", "wind", "twistlocks", "mafi_twistlocks", "emergency_stop"});
   const auto at = mapping.find("at"), when = mapping.find("when"), after = mapping.find("after");
   if (at.has_value() == when.has_value())
@@ -135,7 +135,7 @@ ScriptEntry read_script_entry(const Value& value, const Context& context) {
   if (after && at) after->refuse("a delay after a known time, expected the sum under 'at'");
   if (after) entry.after = after->number(kTime);
 
-  for (const char* drive : {"gantry", "hoist", "trolley", "travel", "telescope", "side_shift", "mafi"}) {
+  for (const char* drive : {"gantry", "hoist", "trolley", "trim", "list", "skew", "travel", "telescope", "side_shift", "mafi"}) {
     if (const auto speed = mapping.find(drive)) read_speed(drive, *speed, kDriveSpeed, entry);
   }
   for (const char* drive : {"boom", "rotation"}) {

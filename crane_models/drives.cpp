@@ -28,6 +28,8 @@ int add_drive(Scene& scene, const std::string& name, const std::string& unit, co
   Drive drive{name, unit, meaning, start, sign, limits.max_speed, limits.max_acceleration};
   drive.max_jerk = limits.max_jerk;
   drive.emergency_stop = limits.emergency_stop > 0 ? limits.emergency_stop : limits.max_acceleration;
+  drive.lowest = limits.lowest;
+  drive.highest = limits.highest;
   scene.drives.push_back(drive);
   return static_cast<int>(scene.drives.size()) - 1;
 }

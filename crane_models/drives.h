@@ -12,6 +12,8 @@ struct DriveLimits {
   double max_acceleration;   // [m/s² or rad/s²]
   double max_jerk = 0;       // [m/s³ or rad/s³]; 0: the acceleration may jump
   double emergency_stop = 0;  // deceleration of an emergency stop [m/s² or rad/s²]; 0: max_acceleration
+  // Limit switches [m or rad].
+  double lowest = -std::numeric_limits<double>::infinity(), highest = std::numeric_limits<double>::infinity();
 };
 
 // Appends the drive and returns its index. `unit`: "m" or "rad".

@@ -2,6 +2,7 @@
 
 #include <cassert>
 #include <cmath>
+#include <limits>
 
 namespace quayside::crane_models {
 namespace {
@@ -38,11 +39,19 @@ int slider_of(int drive, const Scene& scene) {
   return -1;
 }
 
+// A hinge, or ropes that get unequally long.
 bool turns_something(int drive, const Scene& scene) {
   for (const Body& body : scene.bodies) {
     if (body.joint.drive == drive && body.joint.type == JointType::hinge) return true;
   }
-  return false;
+  double least = std::numeric_limits<double>::infinity(), most = -least;
+  for (const spreader::Rope& rope : scene.ropes) {
+    double share = 0;
+    for (const spreader::RopeDrive& part : rope.drives) share += part.drive == drive ? part.share : 0;
+    least = std::min(least, share);
+    most = std::max(most, share);
+  }
+  return least < most;
 }
 
 }  // namespace

@@ -19,10 +19,10 @@ struct ReachStacker {
   double rotation_angle = 0;       // of the spreader about the vertical [rad]
   double side_shift_position = 0;  // of the spreader along its length [m]
   DriveLimits travel{2.5, 0.4, 0, 1.5};
-  DriveLimits boom{0.045, 0.03, 0, 0.1};
-  DriveLimits telescope{0.35, 0.25, 0, 0.6};
-  DriveLimits rotation{0.12, 0.06, 0, 0.2};
-  DriveLimits side_shift{0.15, 0.15, 0, 0.3};
+  DriveLimits boom{0.045, 0.03, 0, 0.1, 0, 1.0472};
+  DriveLimits telescope{0.35, 0.25, 0, 0.6, 0, 6.5};
+  DriveLimits rotation{0.12, 0.06, 0, 0.2, -1.6581, 3.2289};
+  DriveLimits side_shift{0.15, 0.15, 0, 0.3, -0.8, 0.8};
 
   Eigen::Vector2d boom_hinge{-4.6, 4.3};  // behind the front axle (y) and above the ground (z) [m]
   double boom_length = 8.4;               // from the hinge to the tip, pulled in [m]

@@ -43,10 +43,14 @@ void freeze_unused_drives(const std::vector<bool>& used, Scene& scene, Entries& 
     }
     int ropes = 0;
     for (spreader::Rope& rope : scene.ropes) {
-      if (rope.drive != index) continue;
-      rope.rest_length += drive.start;
-      rope.drive = -1;
-      ++ropes;
+      const auto frozen = std::remove_if(rope.drives.begin(), rope.drives.end(), [&](const spreader::RopeDrive& part) {
+        if (part.drive != index) return false;
+        rope.rest_length += part.share * drive.start;
+        return true;
+      });
+      if (frozen == rope.drives.end()) continue;
+      rope.drives.erase(frozen, rope.drives.end());
+      ropes += rope.drives.empty();
     }
     if (ropes > 0) entries.push_back({fmt::format("{} ropes of constant rest length", ropes), reason});
   }

@@ -39,9 +39,25 @@ Body driven_body(const char* name, double mass, const Vector3d& size, const Join
   return body;
 }
 
-// Of a corner's rope against the mean [m]: half of each difference either way.
-double extra_length(const RopeCrane& crane, double x_side, double y_side) {
-  return 0.5 * (x_side * crane.trim + y_side * crane.list + x_side * y_side * crane.rope_skew);
+// A drive of which each rope has half, one way or the other; `side` says which for the rope at a corner (±1, ±1).
+struct Difference {
+  int drive;
+  double (*side)(double x, double y);
+};
+
+std::vector<Difference> add_differences(const RopeCrane& crane, Scene& scene) {
+  std::vector<Difference> differences;
+  const auto add = [&](const char* name, const char* meaning, const std::optional<double>& position,
+                       const DriveLimits& limits, double (*side)(double, double)) {
+    if (position) differences.push_back({add_drive(scene, name, "m", meaning, *position, 1, limits), side});
+  };
+  add("trim", "by how much the ropes at the +x end are longer", crane.trim_position, crane.trim,
+      [](double x, double) { return x; });
+  add("list", "by how much the ropes on the +y side are longer", crane.list_position, crane.list,
+      [](double, double y) { return y; });
+  add("skew", "by how much the ropes at +x+y and -x-y are longer", crane.skew_position, crane.skew,
+      [](double x, double y) { return x * y; });
+  return differences;
 }
 
 }  // namespace
@@ -65,6 +81,7 @@ int add_rope_crane(const RopeCrane& crane, Scene& scene) {
                                       crane.trolley_position, 1, crane.trolley);
   const int hoist_drive = add_drive(scene, "hoist", "m", "rest length of the hoist ropes; a positive speed lifts",
                                     crane.rope_length, -1, crane.hoist);
+  const std::vector<Difference> differences = add_differences(crane, scene);
   const int trolley =
       add_body(scene, driven_body("trolley", kTrolleyMass, kTrolleySize,
                                   slider_along(kAlongBoom, gantry, {0, 0, crane.trolley_height}, trolley_drive),
@@ -74,17 +91,19 @@ int add_rope_crane(const RopeCrane& crane, Scene& scene) {
   Body hanging = spreader_body(crane.load_side);
   const double sheave_height = crane.load_side.spreader.sheave_height;
   hanging.X_WB = scene.bodies[trolley].X_WB * at_height(-hanging_height(crane, scene)) *
-                 AngleAxisd(crane.skew, Vector3d::UnitZ()) * at_height(-sheave_height);
+                 AngleAxisd(crane.anchor_skew, Vector3d::UnitZ()) * at_height(-sheave_height);
   const int spreader = add_body(scene, std::move(hanging));
 
   spreader::Rope rope;
   rope.axial_stiffness = crane.rope_stiffness;
   rope.damping_time = crane.rope_damping_time;
-  rope.drive = hoist_drive;
-  for (spreader::Rope& reeved : spreader::reeve({trolley, Vector3d::Zero(), crane.skew, crane.trolley_sheaves},
+  for (spreader::Rope& reeved : spreader::reeve({trolley, Vector3d::Zero(), crane.anchor_skew, crane.trolley_sheaves},
                                                 {spreader, {0, 0, sheave_height}, 0, crane.spreader_sheaves}, rope)) {
     const Vector3d& corner = reeved.lower.p_B;
-    reeved.rest_length = extra_length(crane, corner.x() > 0 ? 1 : -1, corner.y() > 0 ? 1 : -1);
+    reeved.drives = {{hoist_drive}};
+    for (const Difference& difference : differences) {
+      reeved.drives.push_back({difference.drive, 0.5 * difference.side(corner.x() > 0 ? 1 : -1, corner.y() > 0 ? 1 : -1)});
+    }
     scene.ropes.push_back(std::move(reeved));
   }
   hang_loads(crane.load_side, spreader, scene);

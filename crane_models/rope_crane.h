@@ -15,6 +15,11 @@ struct RopeCrane {
   double rope_length = 0;       // rest length of the hoist ropes [m]
   std::optional<double> gantry_position;  // x of the trolley in the world, where the crane travels [m]
   DriveLimits gantry, trolley, hoist;
+  // Cylinders at the ropes' ends that make them of unequal length, where the crane has them: trim lowers the +x end
+  // against the other, list the +y side, each by this difference; skew turns by lengthening one diagonal pair, +x+y and
+  // −x−y, against the other [m].
+  std::optional<double> trim_position, list_position, skew_position;
+  DriveLimits trim, list, skew;
 
   // The long side of both rectangles lies along the container, so along the quay.
   Eigen::Vector2d trolley_sheaves;   // along x and y [m]
@@ -22,19 +27,15 @@ struct RopeCrane {
   double rope_stiffness;             // EA of one rope group [N]
   double rope_damping_time = 0.01;   // damping over stiffness [s]: a tenth of critical when a full container heaves
 
-  // Ropes of unequal length: trim lowers the +x end against the other, list the +y side, each by this difference; skew
-  // turns by lengthening one diagonal pair against the other [m].
-  double trim = 0, list = 0, rope_skew = 0;
-
   LoadSide load_side;
   // Turns spreader, load and the upper sheaves alike about the vertical, as a skew device that shifts the rope anchors
   // does: the skewed pose is the equilibrium, and nothing turns back [rad].
-  double skew = 0;
+  double anchor_skew = 0;
 };
 
 // A ship-to-shore crane. Typical of cranes in service, from makers' data sheets: trolleys run at 2.5 to 4 m/s with 0.6
-// to 0.8 m/s², loads are hoisted at 1.0 to 1.33 m/s with 0.5 to 0.9 m/s², the gantry travels at 0.75 m/s. A rope group
-// is two falls of 42 MN each.
+// to 0.8 m/s², loads are hoisted at 1.0 to 1.33 m/s with 0.5 to 0.9 m/s², the gantry travels at 0.75 m/s; trim, list and
+// skew turn the load by 3° to 5° either way at some 0.5°/s. A rope group is two falls of 42 MN each.
 RopeCrane quayside_crane();
 
 // A rubber-tyred gantry over six rows and a truck lane, one over five. Makers' data sheets: 40.6 t under the spreader,
@@ -44,7 +45,8 @@ RopeCrane rubber_tyred_gantry();
 
 // Appends to the scene, whose gravity must point down, beside what `hang_loads` does:
 //   bodies   "gantry" where it travels, "trolley", each on its driven slider, "spreader"
-//   drives   "gantry" (x), "trolley" (y), "hoist" (rest length of the ropes; a positive speed lifts)
+//   drives   "gantry" (x), "trolley" (y), "hoist" (rest length of the ropes; a positive speed lifts), "trim", "list",
+//            "skew" (differences of rest length)
 //   frames   "trolley" (middle of its sheaves), "spreader" (centre of its bottom face)
 // Returns the index of the spreader.
 //

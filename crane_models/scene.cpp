@@ -76,7 +76,8 @@ class Checker {
   }
   bool is_body(int i) const { return i >= 0 && i < size(scene_.bodies); }
   bool is_body_or_world(int i) const { return i == kWorld || is_body(i); }
-  bool is_drive_or_none(int i) const { return i >= -1 && i < size(scene_.drives); }
+  bool is_drive(int i) const { return i >= 0 && i < size(scene_.drives); }
+  bool is_drive_or_none(int i) const { return i == -1 || is_drive(i); }
 
   static void check_name(const std::string& name, const char* kind, std::set<std::string>& names) {
     if (name.empty()) refuse(kind, "has no name");
@@ -87,6 +88,7 @@ class Checker {
     check_name(drive.name, "drive", names);
     const std::string what = "drive " + drive.name;
     require(std::isfinite(drive.start), what, "its start is not finite");
+    require(drive.lowest <= drive.start && drive.start <= drive.highest, what, "its start is beyond its limit switches");
     require(std::abs(drive.sign) == 1, what, "its sign must be 1 or -1");
     require(is_not_negative(drive.max_speed), what, "its largest speed must be finite and not negative");
     require(is_not_negative(drive.max_acceleration), what, "its largest acceleration must be finite and not negative");
@@ -130,9 +132,11 @@ class Checker {
     require(rope.upper.body != rope.lower.body, what, "both ends are on one body");
     require(is_positive(rope.axial_stiffness), what, "its stiffness EA must be positive");
     require(is_not_negative(rope.damping_time), what, "its damping time must not be negative");
-    require(is_drive_or_none(rope.drive), what, "its drive is not in the scene");
-    const double rest_length = rope.rest_length + (rope.drive < 0 ? 0 : scene_.drives[rope.drive].start);
-    require(is_positive(rest_length), what, "its rest length at the start must be positive");
+    for (const spreader::RopeDrive& part : rope.drives) {
+      require(is_drive(part.drive), what, "its drive is not in the scene");
+      require(std::isfinite(part.share), what, "the share of a drive is not finite");
+    }
+    require(is_positive(rest_length_at_start(scene_, rope)), what, "its rest length at the start must be positive");
   }
 
   void check_lock(const spreader::Lock& lock, std::set<std::string>& names) const {
@@ -202,6 +206,10 @@ std::vector<ContactGroup> contact_groups(const Scene& scene) {
     group->pairs.push_back(static_cast<int>(i));
   }
   return groups;
+}
+
+double rest_length_at_start(const Scene& scene, const spreader::Rope& rope) {
+  return rest_length(rope, [&](int drive) { return DriveMotion{scene.drives[drive].start}; }).value;
 }
 
 int degrees_of_freedom(const Scene& scene) {

@@ -5,6 +5,7 @@
 // parents stand before their children. SI units, radians.
 #pragma once
 
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -70,6 +71,8 @@ struct Drive {
   double max_acceleration = 0;  // [unit/s²]
   double max_jerk = 0;          // [unit/s³]; 0: the acceleration may jump
   double emergency_stop = 0;    // deceleration of an emergency stop [unit/s²]
+  // Limit switches: beyond them the drive trips the machine, as a load limit does [unit].
+  double lowest = -std::numeric_limits<double>::infinity(), highest = std::numeric_limits<double>::infinity();
 };
 
 struct DriveMotion {
@@ -79,6 +82,24 @@ struct DriveMotion {
             rate + dt * (acceleration + 0.5 * dt * jerk), acceleration + dt * jerk, jerk};
   }
 };
+
+// Rest length of a rope [m], its rate, acceleration and jerk. `motion_of`: the DriveMotion of a drive by its index.
+template <typename MotionOf>
+DriveMotion rest_length(const spreader::Rope& rope, const MotionOf& motion_of) {
+  DriveMotion length{rope.rest_length};
+  for (const spreader::RopeDrive& part : rope.drives) {
+    const DriveMotion motion = motion_of(part.drive);
+    length.value += part.share * motion.value;
+    length.rate += part.share * motion.rate;
+    length.acceleration += part.share * motion.acceleration;
+    length.jerk += part.share * motion.jerk;
+  }
+  return length;
+}
+
+inline DriveMotion rest_length(const spreader::Rope& rope, const std::vector<DriveMotion>& drives) {
+  return rest_length(rope, [&](int drive) -> const DriveMotion& { return drives[drive]; });
+}
 
 // A two-state command, such as closing (true) and opening (false) the twistlocks.
 struct Command {
@@ -152,6 +173,9 @@ const std::string& contact_name(const Scene& scene, int body, int box);
 
 // All pairs, grouped by the two names, in the order of their first appearance.
 std::vector<ContactGroup> contact_groups(const Scene& scene);
+
+// Rest length at the start [m].
+double rest_length_at_start(const Scene& scene, const spreader::Rope& rope);
 
 // Velocity degrees of freedom that an engine integrates (driven joints do not count).
 int degrees_of_freedom(const Scene& scene);

@@ -35,6 +35,10 @@ void override_limits(const cases::DriveSpec& spec, crane_models::DriveLimits& li
   set(spec.max_acceleration, limits.max_acceleration);
   set(spec.max_jerk, limits.max_jerk);
   set(spec.emergency_stop, limits.emergency_stop);
+  if (spec.range) {
+    limits.lowest = spec.range->x() * unit;
+    limits.highest = spec.range->y() * unit;
+  }
 }
 
 crane_models::Load load_of(const cases::ContainerSpec& container) {
@@ -83,18 +87,21 @@ void add_rope_crane(const cases::Case& description, crane_models::RopeCrane cran
   crane.trolley_height = spec.trolley_height;
   crane.rope_length = spec.rope_length;
   crane.gantry_position = spec.gantry.position;
+  crane.trim_position = spec.trim.position;
+  crane.list_position = spec.list.position;
+  crane.skew_position = spec.skew.position;
   override_limits(spec.gantry, crane.gantry);
   override_limits(spec.trolley, crane.trolley);
   override_limits(spec.hoist, crane.hoist);
+  override_limits(spec.trim, crane.trim);
+  override_limits(spec.list, crane.list);
+  override_limits(spec.skew, crane.skew);
   crane.trolley_sheaves = spec.trolley_sheaves.value_or(crane.trolley_sheaves);
   crane.spreader_sheaves = spec.spreader_sheaves.value_or(crane.spreader_sheaves);
   crane.rope_stiffness = spec.rope_stiffness.value_or(crane.rope_stiffness);
   crane.rope_damping_time = spec.rope_damping_time.value_or(crane.rope_damping_time);
-  crane.trim = spec.trim;
-  crane.list = spec.list;
-  crane.rope_skew = spec.rope_skew;
   crane.load_side = load_side(description, crane.load_side);
-  crane.skew = description.spreader.value_or(cases::SpreaderSpec{}).skew * kDegree;
+  crane.anchor_skew = description.spreader.value_or(cases::SpreaderSpec{}).skew * kDegree;
   check_hanging(description, crane, scene);
   crane_models::add_rope_crane(crane, scene);
 
@@ -141,6 +148,19 @@ const Machine kMachines[] = {
     {"reach_stacker", add_reach_stacker},
 };
 
+// Drives from `first` on stand between their limit switches.
+void check_starts(const cases::Case& description, const std::string& section, const Scene& scene, std::size_t first) {
+  for (std::size_t i = first; i < scene.drives.size(); ++i) {
+    const crane_models::Drive& drive = scene.drives[i];
+    if (drive.lowest <= drive.start && drive.start <= drive.highest) continue;
+    const double unit = drive.unit == "rad" ? kDegree : 1;
+    refuse(description, section,
+           fmt::format("the drive '{}' starts at {:.6g} {}, expected within its range, {:.6g} to {:.6g}", drive.name,
+                       drive.start / unit, drive.unit == "rad" ? "degrees" : drive.unit, drive.lowest / unit,
+                       drive.highest / unit));
+  }
+}
+
 void require_gravity(const cases::Case& description, const Scene& scene, const char* what) {
   const Eigen::Vector3d& g = scene.gravity;
   if (g.x() == 0 && g.y() == 0 && g.z() < 0) return;
@@ -168,7 +188,9 @@ void add_crane(const cases::Case& description, Scene& scene) {
   for (const Machine& machine : kMachines) {
     if (description.crane.type != machine.type) continue;
     require_gravity(description, scene, "hang a load on a crane");
+    const std::size_t first = scene.drives.size();
     machine.add(description, scene);
+    check_starts(description, "crane", scene, first);
   }
 }
 
@@ -198,7 +220,9 @@ void add_mafi(const cases::Case& description, Scene& scene) {
     refuse(description, "mafi.twistlocks",
            "there is nothing on the trailer that they could hold, expected a container 'on: mafi'");
   }
+  const std::size_t first = scene.drives.size();
   crane_models::add_mafi(mafi, scene);
+  check_starts(description, "mafi", scene, first);
 }
 
 void add_pick_ups(const cases::Case& description, Scene& scene) {

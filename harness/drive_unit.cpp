@@ -23,6 +23,7 @@ constexpr Time kNever = std::numeric_limits<Time>::max();
 constexpr double kLongestRamp = 1e9;    // [s]; what takes longer than thirty years to get up to speed is a mistake
 
 constexpr double kRounding = 1e-12;     // of a limit that was written in degrees
+constexpr double kSwitchTolerance = 1e-6;  // a script may stop a drive right at its limit switch [m, rad]
 constexpr double kDegree = 3.14159265358979323846 / 180;
 
 // What a person writes in degrees is in radians here.
@@ -213,7 +214,7 @@ bool DriveUnit::needs_event_mode() const {
 void DriveUnit::reset() {
   segments_.clear();
   for (const auto& drive : drives_) segments_.push_back({0, kNever, {drive.start, 0, 0}, 0, {}, 0});
-  guards_.assign(limits_.size(), {kNever, false});
+  guards_.assign(limits_.size() + drives_.size(), {kNever, false});
   stopped_ = false;
   events_.clear();
   progress_.clear();
@@ -272,13 +273,20 @@ double DriveUnit::tension(std::size_t limit) const {
   return sum;
 }
 
-bool DriveUnit::over(std::size_t limit) const { return tension(limit) > limits_[limit].threshold; }
+bool DriveUnit::over(std::size_t limit) const {
+  if (limit < limits_.size()) return tension(limit) > limits_[limit].threshold;
+  const std::size_t drive = limit - limits_.size();
+  const double value = motion(drive).value;
+  return value < drives_[drive].lowest - kSwitchTolerance || value > drives_[drive].highest + kSwitchTolerance;
+}
+
+Time DriveUnit::delay(std::size_t limit) const { return limit < limits_.size() ? nanoseconds(limits_[limit].delay) : 0; }
 
 bool DriveUnit::waits_for_what_holds() const {
   for (std::size_t i = 0; i < script_.size(); ++i) {
     if (progress_[i].due == kNever && holds(script_[i])) return true;
   }
-  for (std::size_t i = 0; i < limits_.size(); ++i) {
+  for (std::size_t i = 0; i < guards_.size(); ++i) {
     if (!guards_[i].tripped && over(i) != (guards_[i].since != kNever)) return true;
   }
   return false;
@@ -290,10 +298,8 @@ Time DriveUnit::next_breakpoint() const {
   for (const Progress& progress : progress_) {
     if (!progress.fired) next = std::min(next, progress.due);
   }
-  for (std::size_t i = 0; i < limits_.size(); ++i) {
-    if (!guards_[i].tripped && guards_[i].since != kNever) {
-      next = std::min(next, later(guards_[i].since, nanoseconds(limits_[i].delay)));
-    }
+  for (std::size_t i = 0; i < guards_.size(); ++i) {
+    if (!guards_[i].tripped && guards_[i].since != kNever) next = std::min(next, later(guards_[i].since, delay(i)));
   }
   return next;
 }
@@ -354,7 +360,7 @@ void DriveUnit::stop_all(EventKind kind, const std::string& subject) {
 }
 
 void DriveUnit::watch_limits() {
-  for (std::size_t i = 0; i < limits_.size(); ++i) {
+  for (std::size_t i = 0; i < guards_.size(); ++i) {
     Guard& guard = guards_[i];
     if (guard.tripped) continue;
     if (!over(i)) {
@@ -362,9 +368,9 @@ void DriveUnit::watch_limits() {
       continue;
     }
     if (guard.since == kNever) guard.since = time_;
-    if (later(guard.since, nanoseconds(limits_[i].delay)) > time_) continue;
+    if (later(guard.since, delay(i)) > time_) continue;
     guard.tripped = true;
-    stop_all(EventKind::tripped, limits_[i].name);
+    stop_all(EventKind::tripped, i < limits_.size() ? limits_[i].name : "range." + drives_[i - limits_.size()].name);
   }
 }
 

@@ -5,7 +5,7 @@
 // value + rate τ + ½ acceleration τ² + ⅙ jerk τ³, which is what the engines take as input. All breakpoints (ends of
 // ramps, `at` times, ends of `after`) are announced by `update_discrete_states`.
 //
-// An emergency stop, by the script or by a load limit that trips, brings every drive to rest with the deceleration that
+// An emergency stop, by the script, by a load limit that trips or by a drive that passes a limit switch, brings every drive to rest with the deceleration that
 // its machine has for it, and for good: whatever is asked for later, it does not move again. Twistlocks still obey. The
 // wind is no drive of the machine and blows on.
 //
@@ -15,7 +15,7 @@
 //            limits watch;
 //            command.<drive>, command.<command>: what an operator asks for, see `hand_over`
 //
-// Conditions on switches and signals are looked at whenever units meet: at communication points and at events. A signal
+// Conditions on switches and signals, limit switches among them, are looked at whenever units meet: at communication points and at events. A signal
 // may also be an output of this unit ("hoist.value"). A condition that holds starts its entry once; entries that are due
 // at the same moment fire in the order of the script.
 #pragma once
@@ -78,7 +78,7 @@ class DriveUnit final : public Unit {
     std::array<Phase, 2> following{};
     int left = 0;  // of them
   };
-  // A load limit: since when its tension has been above the threshold (kNever: it is not), and whether it has tripped.
+  // A limit: since when it has been passed (kNever: it is not), and whether it has tripped.
   struct Guard {
     Time since;
     bool tripped;
@@ -111,8 +111,10 @@ class DriveUnit final : public Unit {
   ValueReference watch(const Variable& signal);
   // Whether an emergency stop keeps this drive from moving.
   bool held(std::size_t drive) const { return stopped_ && drives_[drive].emergency_stop > 0; }
-  double tension(std::size_t limit) const;
+  // Limits: the scene's load limits, then the limit switches of each drive.
+  double tension(std::size_t load_limit) const;
   bool over(std::size_t limit) const;
+  Time delay(std::size_t limit) const;
   void watch_limits();
   void stop_all(EventKind kind, const std::string& subject);
   void finish_phase(Segment& segment);
@@ -134,7 +136,7 @@ class DriveUnit final : public Unit {
   std::vector<Segment> segments_;  // per drive
   std::vector<Progress> progress_;  // per entry of the script
   std::vector<double> values_;      // commands and inputs
-  std::vector<Guard> guards_;       // per load limit
+  std::vector<Guard> guards_;       // per limit
   bool stopped_ = false;
   std::vector<Event> events_;
 };

@@ -146,8 +146,8 @@ spreader::RopeTension SceneForces::rope_state(const spreader::Rope& rope, const 
   // A rope of no length is slack, so that its direction does not matter.
   direction_W = length > 0 ? Vector3d((p_WL - p_WU) / length) : Vector3d(-Vector3d::UnitZ());
   const double length_rate = direction_W.dot(velocity_at(lower, p_WL) - velocity_at(upper, p_WU));
-  const crane_models::DriveMotion drive = rope.drive < 0 ? crane_models::DriveMotion{} : drives[rope.drive];
-  return spreader::rope_tension(rope, length, length_rate, rope.rest_length + drive.value, drive.rate);
+  const crane_models::DriveMotion rest = crane_models::rest_length(rope, drives);
+  return spreader::rope_tension(rope, length, length_rate, rest.value, rest.rate);
 }
 
 void SceneForces::add_rope(std::size_t index, const std::vector<BodyMotion>& bodies,

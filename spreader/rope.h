@@ -1,7 +1,8 @@
-// A tension-only rope between two bodies, its rest length set by a drive.
+// A tension-only rope between two bodies, its rest length set by drives.
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include <Eigen/Core>
 
@@ -13,6 +14,12 @@ struct Attachment {
   Eigen::Vector3d p_B = Eigen::Vector3d::Zero();
 };
 
+// A drive's part in a rope's rest length: share × its value. Hoist, trim, list and skew of one crane share its ropes.
+struct RopeDrive {
+  int drive;
+  double share = 1;
+};
+
 // One rope group: `falls` parallel parts lumped into one line. Its stiffness at rest length L0 is EA / L0, so it
 // softens as it is paid out.
 struct Rope {
@@ -20,8 +27,8 @@ struct Rope {
   Attachment upper, lower;
   double axial_stiffness = 0;  // EA of all falls together [N]
   double damping_time = 0;     // damping over stiffness, c = damping_time · EA / L0 [s]
-  int drive = -1;              // drive whose value is the rest length; −1: constant
-  double rest_length = 0;      // without a drive; with one, added to the drive's value (trim, list, skew) [m]
+  std::vector<RopeDrive> drives;  // their parts add up to the rest length
+  double rest_length = 0;         // what of it no drive sets [m]
 };
 
 // Tension [N] and its energy balance for one rope: stretch x = l − L0 and rates.

@@ -306,7 +306,7 @@ class Writer {
       XMLElement* spatial = tendon->InsertNewChildElement("spatial");
       set(spatial, "name", rope.name);
       spatial->SetAttribute("limited", "true");
-      set(spatial, "range", "0 " + text(rope.rest_length + (rope.drive < 0 ? 0 : scene_.drives[rope.drive].start)));
+      set(spatial, "range", "0 " + text(crane_models::rest_length_at_start(scene_, rope)));
       set(spatial, "width", text(kRopeWidth));
       set_reference(spatial, "solreflimit", "solimplimit", options_.ropes, i);
       for (const char* suffix : {".upper", ".lower"}) {

@@ -85,8 +85,9 @@ void NativeEngine::set_ropes(double after) {
   mjModel* m = model_.model();
   for (std::size_t i = 0; i < tendons_.size(); ++i) {
     const auto& rope = scene_.ropes[i];
-    const crane_models::DriveMotion motion = rope.drive < 0 ? crane_models::DriveMotion{} : drive(rope.drive, after);
-    const double rest_length = rope.rest_length + motion.value;
+    const crane_models::DriveMotion motion =
+        crane_models::rest_length(rope, [&](int index) { return drive(index, after); });
+    const double rest_length = motion.value;
     // An upper limit must stay above the lower one, which is 0, and a stiffness finite.
     if (rest_length <= 0) throw MujocoError("rope " + rope.name + " has been hoisted to no length at all");
     const double stiffness = rope.axial_stiffness / rest_length;
@@ -167,8 +168,8 @@ void NativeEngine::read_ropes() {
   const mjData* d = model_.data();
   for (std::size_t i = 0; i < tendons_.size(); ++i) {
     const auto& rope = scene_.ropes[i];
-    const crane_models::DriveMotion motion = rope.drive < 0 ? crane_models::DriveMotion{} : drives_now_[rope.drive];
-    const double rest_length = rope.rest_length + motion.value;
+    const crane_models::DriveMotion motion = crane_models::rest_length(rope, drives_now_);
+    const double rest_length = motion.value;
     const double stiffness = rope.axial_stiffness / rest_length;
     spreader::RopeTension& state = loads_.ropes[i];
     state = {};

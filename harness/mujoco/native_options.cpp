@@ -124,8 +124,7 @@ MjcfOptions native_options(const Scene& scene, const contact_nn::ContactSettings
   const mjModel* m = plain.model();
 
   for (const spreader::Rope& rope : scene.ropes) {
-    const double rest_length = rope.rest_length + (rope.drive < 0 ? 0 : scene.drives[rope.drive].start);
-    const double stiffness = rope.axial_stiffness / rest_length;
+    const double stiffness = rope.axial_stiffness / crane_models::rest_length_at_start(scene, rope);
     const int tendon = mj_name2id(m, mjOBJ_TENDON, rope.name.c_str());
     options.ropes.push_back(reference(stiffness, rope.damping_time * stiffness, m->tendon_invweight0[tendon]));
   }

@@ -109,7 +109,7 @@ double StepLimit::operator()(const SceneForces& forces, const std::vector<BodyMo
   std::fill(spring_.begin(), spring_.end(), 0.0);
   std::fill(damper_.begin(), damper_.end(), 0.0);
   for (const auto& rope : scene_.ropes) {
-    const double rest_length = rope.rest_length + (rope.drive < 0 ? 0 : drives[rope.drive].value);
+    const double rest_length = crane_models::rest_length(rope, drives).value;
     if (rest_length <= 0) continue;
     for (const int body : {rope.upper.body, rope.lower.body}) {
       if (body == kWorld) continue;

@@ -212,7 +212,8 @@ DriveMotion MultibodyModel::drive(int drive, double t) const {
 int MultibodyModel::spent_rope(double t) const {
   for (std::size_t i = 0; i < scene_.ropes.size(); ++i) {
     const spreader::Rope& rope = scene_.ropes[i];
-    if (rope.drive >= 0 && rope.rest_length + drive(rope.drive, t).value < kShortestRope) return static_cast<int>(i);
+    const auto motion_of = [&](int index) { return drive(index, t); };
+    if (!rope.drives.empty() && crane_models::rest_length(rope, motion_of).value < kShortestRope) return static_cast<int>(i);
   }
   return -1;
 }

@@ -1,10 +1,11 @@
-// Machines beyond ropes: the trailer's springs, the boom's statics, the pendulum under it, and stacks that topple.
+// Machines: trim and list by the ropes, the trailer's springs, the boom's statics, the pendulum under it, and stacks that topple.
 #include <cmath>
 
 #include <gtest/gtest.h>
 
 #include "crane_models/mafi.h"
 #include "crane_models/reach_stacker.h"
+#include "crane_models/rope_crane.h"
 #include "tests/acceptance/scenes.h"
 #include "tests/acceptance/zero_crossings.h"
 
@@ -22,6 +23,50 @@ int index_of(const Scene& scene, const std::string& name) {
   }
   throw std::out_of_range(name);
 }
+
+// Parallel ropes at half distance a from the middle, longer by d at one end, hang vertical all the same, so the load leans by
+// θ = d/2a; and as its centre of mass, c below the sheaves, goes to the short side by c θ, the tensions differ by W c θ/a, and
+// the stretch takes back W c θ/(2 k a) of the difference: θ = d/(2 a + W c/(2 k a)), k of one rope. What the hanging load adds
+// by swinging is twice the angle of its start, and dies out in the ropes' damping to parts in a thousand.
+class LeaningRopes : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(LeaningRopes, TiltTheLoadByTheirDifferenceOverTheirSpacing) {
+  const std::string drive = GetParam();
+  const bool trim = drive == "trim";
+  crane_models::RopeCrane crane = crane_models::quayside_crane();
+  crane.trolley_height = 40;
+  crane.rope_length = 20;
+  crane.trolley_sheaves = crane.spreader_sheaves = {5.6, 2.4};
+  crane.trim_position = crane.list_position = 0;
+  crane.load_side.loads = {{"load", 20000}};
+  Scene scene;
+  crane_models::add_rope_crane(crane, scene);
+  double weight = 0, moment = 0;
+  for (const char* name : {"spreader", "load"}) {
+    const auto& body = scene.bodies[index_of(scene, name)];
+    weight += kGravity * body.mass;
+    moment += kGravity * body.mass * (body.X_WB * body.p_BBcm).z();
+  }
+  const double c = crane.trolley_height - crane_models::hanging_height(crane, scene) - moment / weight;
+  const double a = (trim ? 5.6 : 2.4) / 2, k = crane.rope_stiffness / crane.rope_length;
+  const double difference = 0.06;
+  const double expected = difference / (2 * a + weight * c / (2 * k * a));
+
+  Simulation simulation(scene, exact_contact(), 1e-8);
+  simulation.set(drive + ".rate", difference / 20);
+  simulation.run_to(20, 0.5);
+  simulation.set(drive + ".rate", 0);
+  double sum = 0;
+  int count = 0;
+  simulation.run_to(60, 0.05, [&] {
+    sum += (trim ? 2 : -2) * simulation.get(trim ? "spreader.orientation.y" : "spreader.orientation.x");
+    ++count;
+  });
+  EXPECT_NEAR(sum / count / expected, 1, 2e-3);
+  EXPECT_LT(std::abs(simulation.relative_residual()), 1e-5);
+}
+
+INSTANTIATE_TEST_SUITE_P(OfACrane, LeaningRopes, ::testing::Values("trim", "list"));
 
 // Four linear springs under a mass: √(4 k/m) / 2π, 2.336 Hz for 26 t on 1.4 MN/m each.
 TEST(Mafi, BouncesOnItsSuspension) {

@@ -188,5 +188,40 @@ TEST(Ropes, SwayLeftByATrolleyMove) {
   EXPECT_LT(std::abs(simulation.relative_residual()), 1e-5);
 }
 
+// A pendulum whose length shrinks as L = L₀ − v t obeys L θ'' − 2 v θ' + g θ = 0, with the solution
+// θ = (A J₁(x) + B Y₁(x)) / x, x = 2 √(g L) / v; dx/dt = −√(g/L), and (Z₁/x)' = −Z₂/x for both kinds. From 25 m to 10 m at
+// 0.5 m/s the angle grows twofold, the swing of the load by a quarter. Amplitudes of 0.5° to 1° lengthen the period by 5e-6 to
+// 2e-5, and so shift a phase of 25 rad by 3e-4 and the doubled angle by 6e-4 of its start.
+TEST(Ropes, SwayGrowsOnHoistingUp) {
+  const double speed = 0.5, from = 25, theta = 0.5 * kPi / 180;
+  Scene scene;
+  scene.drives.push_back({"hoist", "m", "rest length", 0, -1, 1, 0.5});
+  Hoist hoist{from, 2.5, 0.8, kStiffRopes};
+  hoist.drive = 0;
+  hang_container(scene, hoist);
+  crane_models::Body& load = scene.bodies[0];
+  const Eigen::Vector3d along(0, std::sin(theta), -std::cos(theta));  // the ropes, downward
+  load.X_WB.translation() += from * (along + Eigen::Vector3d::UnitZ());
+  load.v_WB = -speed * along;
+  Simulation simulation(scene, exact_contact(), kTight);
+  simulation.set("hoist.rate", -speed);
+
+  const auto x_at = [&](double time) { return 2 * std::sqrt(kGravity * (from - speed * time)) / speed; };
+  const double x0 = x_at(0);  // θ = theta and θ' = 0 there: A J₁ + B Y₁ = theta x, A J₂ + B Y₂ = 0
+  const double wronskian = std::cyl_bessel_j(1, x0) * std::cyl_neumann(2, x0) - std::cyl_bessel_j(2, x0) * std::cyl_neumann(1, x0);
+  const double a = theta * x0 * std::cyl_neumann(2, x0) / wronskian;
+  const double b = -theta * x0 * std::cyl_bessel_j(2, x0) / wronskian;
+  double largest_error = 0, largest_angle = 0;
+  simulation.run_to(30, 0.05, [&] {
+    const double x = x_at(simulation.time());
+    const double expected = (a * std::cyl_bessel_j(1, x) + b * std::cyl_neumann(1, x)) / x;
+    const double angle = std::atan2(simulation.get("load.position.y"), -simulation.get("load.position.z") - kContainerSize.z() / 2);
+    largest_error = std::max(largest_error, std::abs(angle - expected));
+    largest_angle = std::max(largest_angle, std::abs(angle));
+  });
+  EXPECT_LT(largest_error / theta, 1e-3);
+  EXPECT_NEAR(largest_angle / theta, std::pow(25.0 / 10.0, 0.75), 0.1);  // the adiabatic law, of slow hoisting
+}
+
 }  // namespace
 }  // namespace quayside::harness

@@ -51,10 +51,10 @@ double hang_container(crane_models::Scene& scene, const Hoist& hoist) {
       rope.lower = {load, {x, y, half.z()}};
       rope.axial_stiffness = hoist.stiffness / 4 * rest_length;
       rope.damping_time = hoist.damping_time;
-      rope.drive = hoist.drive;
       if (hoist.drive < 0) {
         rope.rest_length = rest_length;
       } else {
+        rope.drives = {{hoist.drive}};
         scene.drives[hoist.drive].start = rest_length;
       }
       scene.ropes.push_back(rope);

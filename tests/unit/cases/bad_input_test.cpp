@@ -136,7 +136,7 @@ TEST(BadInput, OverridesAreNamedInTheMessage) {
   EXPECT_EQ(message("duration.x=1"), "duration is '30', it has no key 'x'");
   EXPECT_EQ(
       message("crane.hoist.rope_lenght=1"),
-      "crane.hoist: unknown key 'rope_lenght' (did you mean 'rope_length'?), expected one of: rope_length, max_speed, "
+      "crane.hoist: unknown key 'rope_lenght' (did you mean 'rope_length'?), expected one of: rope_length, range, max_speed, "
       "max_acceleration, max_jerk, emergency_stop");
   EXPECT_EQ(message("gravity=[0, 0"), "a list or mapping as a key, expected a word (is a closing bracket missing?)");
 }

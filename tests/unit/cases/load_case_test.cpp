@@ -88,9 +88,11 @@ TEST(LoadCase, ReadsTheMachines) {
   EXPECT_EQ(c.crane.gantry.position, -5);
   EXPECT_EQ(c.crane.trolley.max_jerk, 0.5);
   EXPECT_EQ(c.crane.hoist.emergency_stop, 1.5);
-  EXPECT_EQ(c.crane.trim, 0.01);
-  EXPECT_EQ(c.crane.list, -0.02);
-  EXPECT_EQ(c.crane.rope_skew, 0.03);
+  EXPECT_EQ(c.crane.trim.position, 0.01);
+  EXPECT_EQ(c.crane.list.position, -0.02);
+  EXPECT_EQ(c.crane.skew.position, 0.03);
+  EXPECT_EQ(c.crane.skew.max_speed, 0.02);
+  EXPECT_EQ(c.crane.trolley.range, Eigen::Vector2d(-15, 50));
   EXPECT_EQ(c.crane.overload, 65000);
   EXPECT_EQ(c.crane.snag, 3e5);
   EXPECT_TRUE(c.spreader->flippers);
@@ -140,7 +142,7 @@ TEST(LoadCase, ReadsTheScript) {
   EXPECT_EQ(script[3].commands, (Commands{{"twistlocks", false}}));
   EXPECT_EQ(script[4].time, 25);
   EXPECT_EQ(script[4].commands, (Commands{{"twistlocks", true}}));
-  EXPECT_EQ(script[5].speeds, (Speeds{{"gantry", 0.5}, {"mafi", 2}, {"wind", 20}}));
+  EXPECT_EQ(script[5].speeds, (Speeds{{"gantry", 0.5}, {"trim", 0.02}, {"list", -0.01}, {"skew", 0.01}, {"mafi", 2}, {"wind", 20}}));
   EXPECT_EQ(script[5].ramps, (Speeds{{"mafi", 4}, {"wind", 1}}));
   EXPECT_EQ(script[5].commands, (Commands{{"mafi_twistlocks", false}}));
   EXPECT_EQ(script[6].condition, Condition::contact);

@@ -122,22 +122,22 @@ TEST(RopeCrane, TrimListAndSkewDifferInRopeLength) {
   RopeCrane crane = quayside_crane();
   crane.trolley_height = 32;
   crane.rope_length = 20;
-  crane.trim = 0.04;
-  crane.list = 0.02;
-  crane.rope_skew = 0.01;
+  crane.trim_position = 0.04;
+  crane.list_position = 0.02;
+  crane.skew_position = 0.01;
   Scene scene;
   add_rope_crane(crane, scene);
   const auto extra = [&](const char* name) {
     for (const auto& rope : scene.ropes) {
-      if (rope.name == name) return rope.rest_length;
+      if (rope.name == name) return rest_length_at_start(scene, rope) - crane.rope_length;
     }
     throw std::out_of_range(name);
   };
   // Half of each difference to either side: front is +y, right +x.
-  EXPECT_DOUBLE_EQ(extra("rope.front_right"), 0.02 + 0.01 + 0.005);
-  EXPECT_DOUBLE_EQ(extra("rope.front_left"), -0.02 + 0.01 - 0.005);
-  EXPECT_DOUBLE_EQ(extra("rope.rear_right"), 0.02 - 0.01 - 0.005);
-  EXPECT_DOUBLE_EQ(extra("rope.rear_left"), -0.02 - 0.01 + 0.005);
+  EXPECT_NEAR(extra("rope.front_right"), 0.02 + 0.01 + 0.005, 1e-14);
+  EXPECT_NEAR(extra("rope.front_left"), -0.02 + 0.01 - 0.005, 1e-14);
+  EXPECT_NEAR(extra("rope.rear_right"), 0.02 - 0.01 - 0.005, 1e-14);
+  EXPECT_NEAR(extra("rope.rear_left"), -0.02 - 0.01 + 0.005, 1e-14);
 }
 
 TEST(ReachStacker, HoldsTheSpreaderUnderItsTip) {

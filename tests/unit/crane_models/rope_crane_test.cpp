@@ -51,7 +51,7 @@ TEST(RopeCrane, TrolleyRunsAlongTheBoom) {
 
 TEST(RopeCrane, LoadHangsUnderTheSpreaderByTheStretchOfTheTwistlocks) {
   RopeCrane crane = loaded_crane();
-  crane.skew = 0.03;
+  crane.anchor_skew = 0.03;
   Scene scene;
   add_rope_crane(crane, scene);
   const Body& spreader = body(scene, "spreader");

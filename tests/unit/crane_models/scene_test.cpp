@@ -28,7 +28,7 @@ Scene good_scene() {
   rope.upper = {kWorld, {0, 0, 20}};
   rope.lower = {1, {0, 0, 1}};
   rope.axial_stiffness = 84e6;
-  rope.drive = 0;
+  rope.drives = {{0}};
   scene.ropes = {rope};
   spreader::Lock lock;
   lock.name = "twistlocks";
@@ -71,7 +71,8 @@ TEST(Scene, RefusesWhatNoEngineCanBuild) {
       {"rope rope: both ends", [](Scene& s) { s.ropes[0].upper.body = 1; }},
       {"rope rope: its stiffness", [](Scene& s) { s.ropes[0].axial_stiffness = 0; }},
       {"rope rope: its damping", [](Scene& s) { s.ropes[0].damping_time = -1; }},
-      {"rope rope: its drive", [](Scene& s) { s.ropes[0].drive = 1; }},
+      {"rope rope: its drive", [](Scene& s) { s.ropes[0].drives = {{0}, {1}}; }},
+      {"rope rope: the share", [&](Scene& s) { s.ropes[0].drives[0].share = nan; }},
       {"rope rope: its rest length", [](Scene& s) { s.drives[0].start = -1; }},
       {"lock twistlocks: a body", [](Scene& s) { s.locks[0].body_b = 3; }},
       {"lock twistlocks: it holds", [](Scene& s) { s.locks[0].body_b = 1; }},

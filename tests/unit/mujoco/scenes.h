@@ -117,7 +117,7 @@ inline crane_models::Scene crane(double rope_length) {
       rope.lower = {1, {x, y, 0}};
       rope.axial_stiffness = ea;
       rope.damping_time = 0.005;
-      rope.drive = 1;
+      rope.drives = {{1}};
       scene.ropes.push_back(rope);
     }
   }

@@ -145,6 +145,12 @@ TEST(BuildScene, RefusesRopesOfTheWrongLength) {
   expect_refused(description, {"crane.hoist.rope_length", "between trolley and headblock"});
 }
 
+TEST(BuildScene, RefusesADriveThatStartsBeyondItsLimitSwitches) {
+  Case description = landing();
+  description.crane.hoist.range = Eigen::Vector2d(2, description.crane.rope_length - 1);
+  expect_refused(description, {"crane", "hoist", "its range"});
+}
+
 TEST(BuildScene, RefusesACraneWithoutWeight) {
   Case description = landing();
   description.gravity = {0, 0, 0};

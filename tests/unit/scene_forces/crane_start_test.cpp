@@ -29,7 +29,7 @@ Scene skewed_crane() {
   crane.trolley_position = 20;
   crane.trolley_height = 32;
   crane.rope_length = 20;
-  crane.skew = 2 * EIGEN_PI / 180;
+  crane.anchor_skew = 2 * EIGEN_PI / 180;
   crane.load_side.loads = {{"load", 30480}};
   crane_models::add_rope_crane(crane, scene);
   scene.pairs = {{1, 0, 2, 0}};

@@ -1,4 +1,4 @@
-// Jerk limits, ramps, emergency stops and load limits of the drives.
+// Jerk limits, ramps, emergency stops, load limits and limit switches of the drives.
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -22,7 +22,10 @@ crane_models::Scene crane(double jerk) {
   crane_models::Drive boom{"boom", "rad", "angle", 0.5, 1, 0.1, 0.05};
   boom.emergency_stop = 0.1;
   crane_models::Drive wind{"wind", "m", "way of the air", 0, 1, 60, 50};  // no emergency stop stops it
-  scene.drives = {trolley, boom, wind};
+  crane_models::Drive telescope{"telescope", "m", "length", 0, 1, 4, 0.8};
+  telescope.emergency_stop = 2;
+  telescope.highest = 10;
+  scene.drives = {trolley, boom, wind, telescope};
   spreader::Rope rope;
   rope.name = "rope.only";
   scene.ropes = {rope};
@@ -179,6 +182,28 @@ TEST(Operator, LoadLimitsTripAfterTheirDelay) {
   EXPECT_EQ(events[0].kind, EventKind::tripped);
   EXPECT_EQ(events[0].subject, "overload");
   EXPECT_EQ(events[0].time, 2'500'000'000);
+}
+
+// To 2 m/s in 2.5 s and 2.5 m, as far again at that speed and down again: 10 m, right to the switch. Without braking past it
+// 3.75 s after the ramp, when it takes 2²/(2 · 2) m to stop.
+TEST(Operator, LimitSwitchesTripWhereADriveLeavesItsRange) {
+  const auto run = [](Player& player, double end) {
+    for (int step = 1; step * 0.01 <= end; ++step) player.advance_to(step * 0.01);
+  };
+  Player within({at(0, "telescope", 2), at(5, "telescope", 0)});
+  run(within, 8);
+  EXPECT_NEAR(within.get("telescope.value"), 10, kNanosecondsWay);
+  EXPECT_TRUE(within.events().empty());
+
+  Player beyond({at(0, "telescope", 2), at(8, "telescope", -1)});
+  run(beyond, 10);
+  EXPECT_EQ(beyond.get("telescope.rate"), 0);
+  EXPECT_NEAR(beyond.get("telescope.value"), 10 + 1, 0.02 + kNanosecondsWay);  // seen a step late
+  const auto events = beyond.events();
+  ASSERT_EQ(events.size(), 1u);
+  EXPECT_EQ(events[0].kind, EventKind::tripped);
+  EXPECT_EQ(events[0].subject, "range.telescope");
+  EXPECT_NEAR(seconds(events[0].time), 2.5 + 3.75, 0.011);
 }
 
 }  // namespace

@@ -75,7 +75,7 @@ Scene hanging_scene() {
     r.lower = lower;
     r.axial_stiffness = 84e6;
     r.damping_time = 0.01;
-    r.drive = drive;
+    if (drive >= 0) r.drives = {{drive}};
     r.rest_length = drive < 0 ? 9.9 : 0.01;
     return r;
   };

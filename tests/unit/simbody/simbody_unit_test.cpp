@@ -48,7 +48,7 @@ Scene landing_scene() {
       rope.lower = {2, {x, y, 0.25}};
       rope.axial_stiffness = kRopeStiffness / 4 * length;
       rope.damping_time = 0.01;
-      rope.drive = 0;
+      rope.drives = {{0}};
       scene.ropes.push_back(rope);
     }
   }
