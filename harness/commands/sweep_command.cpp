@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <memory>
@@ -12,6 +13,7 @@
 #include "harness/plot.h"
 #include "harness/report/sweep_report.h"
 #include "harness/sweep.h"
+#include "harness/sweep_table.h"
 #include "harness/terminal.h"
 
 namespace quayside::harness {
@@ -21,7 +23,7 @@ namespace fs = std::filesystem;
 
 struct SweepCommand {
   std::vector<std::string> paths;
-  std::string out = "runs", command_line;
+  std::string out = "runs", table, command_line;
   CaseOptions options;
   std::vector<std::string> integrators{"bdf", "adams", "erk", "dirk", "merson", "cpodes", "rk4", "implicit", "euler"};
   std::vector<std::string> contacts{""};
@@ -31,18 +33,22 @@ struct SweepCommand {
 
   void execute();
   void sweep_case(const fs::path& file);
+  void write_table() const;
 };
 
 std::string csv_text(const Sweep& sweep) {
   std::string text =
       "engine,integrator,contact,setting,wall [s],real_time_factor,error_rms [m],error_max [m],steps,rhs_evaluations,front,"
       "failure\n";
-  for (const SweepPoint& p : sweep.points)
+  const auto add = [&](const SweepPoint& p, const char* front) {
     text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},\"{}\"\n", p.contender.engine, p.contender.integrator,
                         p.contender.contact, p.contender.setting, p.median_wall_s(),
                         p.failure ? "" : fmt::to_string(sweep.simulated_s / p.median_wall_s()),
                         p.failure ? "" : fmt::to_string(p.rms), p.failure ? "" : fmt::to_string(p.max), p.steps,
-                        p.rhs_evaluations, on_front(p, sweep.points) ? "yes" : "no", p.failure.value_or(""));
+                        p.rhs_evaluations, front, p.failure.value_or(""));
+  };
+  for (const SweepPoint& p : sweep.points) add(p, on_front(p, sweep.points) ? "yes" : "no");
+  if (!sweep.second_reference.wall_s.empty()) add(sweep.second_reference, "reference");
   return text;
 }
 
@@ -109,6 +115,19 @@ void SweepCommand::sweep_case(const fs::path& file) {
   if (result.interrupted) throw CLI::RuntimeError(stopped_by_signal + Interrupt::signal());
 }
 
+// Of all sweeps in the folder, those of other days among them.
+void SweepCommand::write_table() const {
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::directory_iterator(out)) {
+    const std::string name = entry.path().filename().string(), end = "_sweep.csv";
+    if (name.size() > end.size() && name.compare(name.size() - end.size(), end.size(), end) == 0) files.push_back(entry.path());
+  }
+  std::sort(files.begin(), files.end());
+  std::ofstream stream(table);
+  if (!(stream << "# Speed against error, all cases\n\nMade by `" << command_line << "`.\n\n" << sweep_table(files)).flush())
+    throw std::runtime_error("cannot write '" + table + "'");
+}
+
 void SweepCommand::execute() {
   fs::create_directories(out);
   sweep.full_scene = options.full_scene;
@@ -125,6 +144,7 @@ void SweepCommand::execute() {
       ++failed;
     }
   }
+  if (!table.empty()) write_table();
   if (failed > 0) throw CLI::RuntimeError(not_completed);
 }
 
@@ -158,13 +178,14 @@ void add_sweep_command(CLI::App& app, const std::string& command_line) {
   command->add_option("--second-reference", sweep->sweep.second_reference.setting, "Step of the second reference (MuJoCo, same law) [s]")
       ->capture_default_str();
   command->add_option("--out", sweep->out, "Where <case>_sweep.csv, .svg and .html go")->capture_default_str()->type_name("DIR");
+  command->add_option("--table", sweep->table, "Where a table of all sweeps in that folder goes (Markdown)")->type_name("FILE");
   command->footer(
       "The error is the rms distance of positions to a converged reference; the distance of a second, independent reference\n"
       "tells how far it can be trusted. Wall times are medians, of stepping alone.\n\n"
       "Examples:\n"
       "  quayside sweep cases/land_on_stack.yaml --engine simbody,mujoco_same_law --repeat 5\n"
       "  quayside sweep cases/land_on_stack.yaml --engine simbody --integrators bdf --contacts exact,committee,learned\n"
-      "  quayside sweep cases --out tests/benchmarks/results");
+      "  quayside sweep cases --out tests/benchmarks/results --table tests/benchmarks/results/sweeps.md");
   command->callback([sweep] { sweep->execute(); });
 }
 

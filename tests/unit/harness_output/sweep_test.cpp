@@ -1,8 +1,12 @@
 #include "harness/sweep.h"
 
+#include <filesystem>
+#include <fstream>
+
 #include <gtest/gtest.h>
 
 #include "harness/error_budget.h"
+#include "harness/sweep_table.h"
 
 namespace quayside::harness {
 namespace {
@@ -62,6 +66,26 @@ TEST(Sweep, EndsWhereTheReferenceIsNotDoneInTime) {
   SweepOptions options;
   options.time_limit = 1e-9;
   EXPECT_THROW(sweep(falling_box(), options), std::runtime_error);
+}
+
+// At 1e-4 m: 10 s in 0.05 s are 5 ms/s; RK4 at the finer step, since the coarser one is too far off. At 1e-6 m nobody is.
+TEST(SweepTable, TakesTheFastestSettingWithinTheError) {
+  const auto file = std::filesystem::temp_directory_path() / "quayside_landing_sweep.csv";
+  std::ofstream(file) << "engine,integrator,contact,setting,wall [s],real_time_factor,error_rms [m],error_max [m],steps,"
+                         "rhs_evaluations,front,failure\n"
+                         "simbody,bdf,,1e-4,0.05,200,8e-5,1e-4,1,1,yes,\"\"\n"
+                         "simbody,bdf,,1e-6,0.1,100,2e-6,1e-5,1,1,yes,\"\"\n"
+                         "simbody,merson,,1e-4,0.4,25,9e-6,1e-5,1,1,no,\"\"\n"
+                         "mujoco_same_law,rk4,,1e-3,0.05,200,2e-4,1e-3,1,1,no,\"\"\n"
+                         "mujoco_same_law,rk4,,1e-4,0.5,20,1e-8,1e-7,1,1,no,\"\"\n"
+                         "mujoco,rk4,,1e-3,0.2,,,,1,1,no,\"fell, and failed\"\n"
+                         "mujoco_same_law,rk4,exact,1e-5,5,2,3e-10,1e-9,1,1,reference,\"\"\n";
+  const std::string table = sweep_table({file});
+  std::filesystem::remove(file);
+  EXPECT_NE(table.find("| 3e-10 | 1e-03 | 5 | – | × 8 | × 1 | – |"), std::string::npos) << table;
+  EXPECT_NE(table.find("| 1e-04 | 5 | – | × 8 | × 10 | – |"), std::string::npos) << table;
+  EXPECT_NE(table.find("| 1e-05 | 10 | – | × 4 | × 5 | – |"), std::string::npos) << table;
+  EXPECT_NE(table.find("| 1e-06 | – | – | – | only | – |"), std::string::npos) << table;
 }
 
 TEST(ErrorBudget, HasALinePerShare) {
