@@ -83,6 +83,7 @@ int main(int argc, char** argv) {
     harness::add_compare_command(app);
     harness::add_plot_command(app);
     harness::add_sweep_command(app, command);
+    harness::add_frames_command(app);
     harness::add_impacts_command(app);
     harness::add_table_command(app);
     harness::add_export_command(app);

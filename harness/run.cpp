@@ -1,5 +1,7 @@
 #include "harness/run.h"
 
+#include <time.h>
+
 #include <algorithm>
 #include <chrono>
 #include <stdexcept>
@@ -18,6 +20,13 @@ namespace quayside::harness {
 namespace {
 
 using Clock = std::chrono::steady_clock;
+
+// That this thread has had [s]: what others run on the machine does not count.
+double cpu_time() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
 
 MasterSettings master_settings(const cases::MasterSpec& spec) { return {spec.method, spec.tolerance, spec.relaxation}; }
 
@@ -67,7 +76,9 @@ class Chain {
   void advance_to(Time time) {
     guarded([&] {
       const Clock::time_point begin = Clock::now();
+      const double cpu_begin = cpu_time();
       active_ = master_.advance_to(time);
+      run_.step_cpu_s.push_back(cpu_time() - cpu_begin);
       run_.step_times_s.push_back(std::chrono::duration<double>(Clock::now() - begin).count());
       run_.wall_s += run_.step_times_s.back();
       record();

@@ -33,6 +33,7 @@ struct EngineRun {
   double wall_s = 0;                 // stepping only: no building, no writing
   double simulated_s = 0;
   std::vector<double> step_times_s;  // wall time of each macro step
+  std::vector<double> step_cpu_s;    // CPU time of this thread in each
   std::vector<std::uint64_t> steps_taken;  // by the integrator, up to each row of the trajectory
   std::optional<std::string> failure;
 };

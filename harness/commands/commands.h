@@ -25,6 +25,7 @@ void add_signals_command(CLI::App& app);
 void add_compare_command(CLI::App& app);
 void add_plot_command(CLI::App& app);
 void add_sweep_command(CLI::App& app, const std::string& command_line);
+void add_frames_command(CLI::App& app);
 void add_impacts_command(CLI::App& app);
 void add_table_command(CLI::App& app);
 void add_export_command(CLI::App& app);

@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <fstream>
 #include <set>
+#include <sstream>
 #include <thread>
 
 #include <gtest/gtest.h>
@@ -375,6 +376,33 @@ TEST_F(CommandLine, ValidateRefusesDirectoriesWithoutCases) {
   fs::create_directory(directory_.path() / "other");
   fs::copy(box_, directory_.path() / "other" / "box.yaml");
   expect_refused(run({"validate", box_, (directory_.path() / "other").string(), "--out", out_.string()}), "another case is called box");
+}
+
+// 0.3 s are 18 frames of 1/60 s: asked for 20, the case runs twice.
+TEST_F(CommandLine, FramesAreCountedInWholeRuns) {
+  const fs::path table = directory_.path() / "frames.csv";
+  const Outcome outcome = run({"frames", box_, "--least", "20", "--table", table.string()});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  std::istringstream csv(read(table));
+  std::string line;
+  std::getline(csv, line);
+  EXPECT_EQ(line, "case,frames,median [s],p99 [s],p99.9 [s],max [s],over 0.000833 s,slowest at [s],its steps");
+  for (const char* name : {"box", "all"}) {
+    std::getline(csv, line);
+    std::replace(line.begin(), line.end(), ',', ' ');
+    std::istringstream cells(line);
+    std::string first;
+    std::size_t frames = 0, steps = 0;
+    double median = 0, p99 = 0, p999 = 0, max = 0, over = 0, at = 0;
+    cells >> first >> frames >> median >> p99 >> p999 >> max >> over >> at >> steps;
+    EXPECT_TRUE(cells) << line;
+    EXPECT_EQ(first, name);
+    EXPECT_EQ(frames, 36u);
+    EXPECT_GT(median, 0);
+    EXPECT_TRUE(median <= p99 && p99 <= p999 && p999 <= max) << line;
+    EXPECT_EQ(over > 0, max > 1.0 / 1200) << line;
+    EXPECT_TRUE(at >= 0 && at < 0.3 && steps > 0) << line;
+  }
 }
 
 TEST_F(CommandLine, ColoursAreForTerminalsThatWantThem) {

@@ -83,6 +83,7 @@ TEST(RunCase, RecordsEveryEngineAtTheSameCommunicationPoints) {
     }
     for (const auto& column : run.trajectory.columns) EXPECT_EQ(column.size(), times.size());
     EXPECT_EQ(run.step_times_s.size(), 4u);
+    EXPECT_EQ(run.step_cpu_s.size(), 4u);
     EXPECT_EQ(run.simulated_s, 1);
     EXPECT_FALSE(run.failure);
     ASSERT_EQ(run.events.size(), 1u);
