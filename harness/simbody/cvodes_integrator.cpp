@@ -23,6 +23,7 @@ class CvodesIntegrator final : public Integrator {
 
   void restart(double t, const double* y, const double* z, int max_order) override;
   void watch_stability(bool watch) override;
+  bool renew_jacobian() override { return renew_ = method_ == CvodesMethod::bdf; }
   double step(double stop) override;
   double time() const override { return time_; }
   double step_begin() const override { return step_begin_; }
@@ -31,6 +32,7 @@ class CvodesIntegrator final : public Integrator {
   std::uint64_t jacobians() const override { return jacobians_ + count(CVodeGetNumJacEvals); }
 
  private:
+  void set_jacobian_ages(long steps);
   std::uint64_t count(int (*counter)(void*, long*)) const {
     long value = 0;
     if (started_) counter(cvodes_, &value);
@@ -39,6 +41,7 @@ class CvodesIntegrator final : public Integrator {
 
   const CvodesMethod method_;
   Callbacks callbacks_;
+  bool renew_ = false;                       // the Jacobian, in the next step
   bool started_ = false;                      // restarted at least once
   std::uint64_t steps_ = 0, jacobians_ = 0;  // before the last restart
   double step_begin_ = 0, time_ = 0;
@@ -96,6 +99,7 @@ void CvodesIntegrator::restart(double t, const double* y, const double* z, int m
   callbacks_.demand(CVodeReInit(cvodes_, t, y_), "CVodeReInit");
   callbacks_.demand(CVodeQuadReInit(cvodes_, z_), "CVodeQuadReInit");
   step_begin_ = time_ = t;
+  renew_ = false;
   started_ = true;
 }
 
@@ -103,11 +107,20 @@ void CvodesIntegrator::watch_stability(bool watch) {
   if (method_ == CvodesMethod::bdf) callbacks_.demand(CVodeSetStabLimDet(cvodes_, watch), "CVodeSetStabLimDet");
 }
 
+// After how many steps Newton's matrix and the Jacobian in it are made anew at the latest; 0: the library's own.
+void CvodesIntegrator::set_jacobian_ages(long steps) {
+  if (method_ != CvodesMethod::bdf) return;  // which has none
+  callbacks_.demand(CVodeSetLSetupFrequency(cvodes_, steps), "CVodeSetLSetupFrequency");
+  callbacks_.demand(CVodeSetJacEvalFrequency(cvodes_, steps), "CVodeSetJacEvalFrequency");
+}
+
 double CvodesIntegrator::step(double stop) {
   assert(stop > time_);
   callbacks_.demand(CVodeSetStopTime(cvodes_, stop), "CVodeSetStopTime");
   double reached = time_;
+  set_jacobian_ages(renew_ ? 1 : 0);
   const int flag = CVode(cvodes_, time_ + kOutlook, y_, &reached, CV_ONE_STEP);
+  renew_ = false;
   callbacks_.rethrow();
   if (flag < 0) throw IntegrationFailed(reason(flag, "CVODES", callbacks_.message()));
   step_begin_ = time_;

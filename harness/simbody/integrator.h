@@ -49,6 +49,9 @@ class Integrator {
   // oscillations, and lower the order where it shows. Costs a little accuracy in smooth motion.
   virtual void watch_stability(bool) {}
 
+  // The next step begins with a new Jacobian. Returns whether it does.
+  virtual bool renew_jacobian() { return false; }
+
   // One internal step, not beyond `stop` (which is after `time()`). Returns the new time. After IntegrationFailed time
   // and history are those of the last good step.
   virtual double step(double stop) = 0;

@@ -1,5 +1,6 @@
 #include "harness/simbody/multibody_model.h"
 
+#include <algorithm>
 #include <cassert>
 #include <cmath>
 
@@ -197,6 +198,7 @@ MultibodyModel::MultibodyModel(const crane_models::Scene& scene,
     }
   }
   find_blocks();
+  find_free_bodies();
 }
 
 MultibodyModel::~MultibodyModel() = default;
@@ -321,9 +323,67 @@ void MultibodyModel::find_blocks() {
   }
   coupled_.resize(blocks_.size() * blocks_.size());
   colours_.resize(blocks_.size());
+  motions_shifted_ = motions_;
+  loads_shifted_ = loads_;
   y_shifted_.resize(quantities_.size());
   y_dot_shifted_.resize(quantities_.size());
+  y_dot_begin_.resize(quantities_.size());
   shifts_.resize(quantities_.size());
+}
+
+void MultibodyModel::find_free_bodies() {
+  const Simbody& s = *simbody_;
+  for (const auto& slot : s.slots) {
+    const Body& body = scene_.bodies[slot.body];
+    const int block = block_of_body_[slot.body];
+    const bool alone = std::count(block_of_body_.begin(), block_of_body_.end(), block) == 1;
+    if (body.joint.type != JointType::free || !alone) {
+      free_bodies_.clear();
+      return;
+    }
+    const SimTK::Transform X_WF = s.matter.getMobilizedBody(s.bodies[slot.body]).getDefaultInboardFrame();
+    free_bodies_.push_back({slot.body, to_eigen(X_WF), body.I_BBcm_B.inverse()});
+  }
+}
+
+// dy/dt at the time of the last evaluation, where bodies with drives stay as they are then.
+void MultibodyModel::free_derivative(const double* y, double* y_dot) {
+  using Eigen::Map, Eigen::Vector3d;
+  ++evaluations;
+  for (std::size_t k = 0; k < free_bodies_.size(); ++k) {
+    const FreeBody& free = free_bodies_[k];
+    const Body& body = scene_.bodies[free.body];
+    const double* q = y + blocks_[k][0];
+    const double* u = y + blocks_[k][7];
+    const Eigen::Matrix3d R_WF = free.X_WF.linear();
+    const Eigen::Matrix3d R_WB = R_WF * Eigen::Quaterniond(q[0], q[1], q[2], q[3]).normalized().toRotationMatrix();
+    const Vector3d p_BBcm_W = R_WB * body.p_BBcm;
+    BodyMotion& motion = motions_shifted_[free.body];
+    motion.X_WB.linear() = R_WB;
+    motion.X_WB.translation() = free.X_WF * Vector3d(q[4], q[5], q[6]) - p_BBcm_W;
+    motion.w_WB = R_WF * Map<const Vector3d>(u);
+    motion.v_WB = R_WF * Map<const Vector3d>(u + 3) - motion.w_WB.cross(p_BBcm_W);
+  }
+  forces_.evaluate(motions_shifted_, drive_now_, locks_closed_, loads_shifted_, contact_counters);
+  for (std::size_t k = 0; k < free_bodies_.size(); ++k) {
+    const FreeBody& free = free_bodies_[k];
+    const Body& body = scene_.bodies[free.body];
+    const BodyMotion& motion = motions_shifted_[free.body];
+    const BodyForce& load = loads_shifted_.bodies[free.body];
+    const double* q = y + blocks_[k][0];
+    const Map<const Vector3d> w(y + blocks_[k][7]), v(y + blocks_[k][10]);  // in F
+    const Eigen::Matrix3d R_WB = motion.X_WB.linear(), R_FW = free.X_WF.linear().transpose();
+    const double damping = body.joint.damping;
+    const Vector3d t_B = R_WB.transpose() * (load.t_W - (R_WB * body.p_BBcm).cross(load.f_W) - damping * motion.w_WB);
+    const Vector3d w_B = R_WB.transpose() * motion.w_WB;
+    const Eigen::Quaterniond q_dot = Eigen::Quaterniond(0, w.x(), w.y(), w.z()) * Eigen::Quaterniond(q[0], q[1], q[2], q[3]);
+    double* q_out = y_dot + blocks_[k][0];
+    q_out[0] = 0.5 * q_dot.w();
+    Map<Vector3d>(q_out + 1) = 0.5 * q_dot.vec();
+    Map<Vector3d>(q_out + 4) = v;
+    Map<Vector3d>(y_dot + blocks_[k][7]) = R_FW * (R_WB * (free.inverse_I_B * (t_B - w_B.cross(body.I_BBcm_B * w_B))));
+    Map<Vector3d>(y_dot + blocks_[k][10]) = R_FW * (load.f_W / body.mass + scene_.gravity) - damping / body.mass * v;
+  }
 }
 
 void MultibodyModel::find_coupling() {
@@ -365,19 +425,36 @@ void MultibodyModel::colour_blocks() {
   }
 }
 
-void MultibodyModel::jacobian(double t, const double* y, const double* y_dot, double* jacobian) {
+void MultibodyModel::jacobian(double t, const double* y, const double* y_dot, double* jacobian, Columns columns) {
   if (time_ != t) evaluate(t, y);  // which bodies touch
   find_coupling();
   colour_blocks();
   const std::size_t size = quantities_.size(), n = blocks_.size();
-  std::fill_n(jacobian, size * size, 0.0);
+  const auto wanted = [&](int column) {
+    return columns == Columns::all || quantities_[column] == Quantity::velocity ||
+           quantities_[column] == Quantity::angular_velocity;
+  };
+  for (std::size_t column = 0; column < size; ++column) {
+    if (wanted(static_cast<int>(column))) std::fill_n(jacobian + column * size, size, 0.0);
+  }
   std::copy_n(y, size, y_shifted_.begin());
+  const bool all_free = !free_bodies_.empty();
+  if (all_free) {
+    motions_shifted_ = motions_;
+    loads_shifted_ = loads_;
+    free_derivative(y, y_dot_begin_.data());
+    y_dot = y_dot_begin_.data();
+  }
+  std::size_t longest = 0;
+  for (const auto& block : blocks_) longest = std::max(longest, block.size());
   for (int colour = 0; colour < colour_count_; ++colour) {
-    for (std::size_t k = 0, shifted = 1; shifted > 0; ++k) {  // the k-th coordinates of all blocks of this colour
-      shifted = 0;
+    for (std::size_t k = 0; k < longest; ++k) {  // the k-th coordinates of all blocks of this colour
+      int shifted = 0;
       const auto each = [&](auto&& action) {
         for (std::size_t block = 0; block < n; ++block) {
-          if (colours_[block] == colour && k < blocks_[block].size()) action(block, blocks_[block][k]);
+          if (colours_[block] == colour && k < blocks_[block].size() && wanted(blocks_[block][k])) {
+            action(block, blocks_[block][k]);
+          }
         }
       };
       each([&](std::size_t, int column) {
@@ -386,7 +463,8 @@ void MultibodyModel::jacobian(double t, const double* y, const double* y_dot, do
         ++shifted;
       });
       if (shifted == 0) continue;
-      derivative(t, y_shifted_.data(), y_dot_shifted_.data());
+      if (all_free) free_derivative(y_shifted_.data(), y_dot_shifted_.data());
+      else derivative(t, y_shifted_.data(), y_dot_shifted_.data());
       each([&](std::size_t block, int column) {
         for (std::size_t other = 0; other < n; ++other) {
           if (!coupled_[block * n + other]) continue;
@@ -423,8 +501,13 @@ double MultibodyModel::potential_energy() const {
   return energy;
 }
 
+bool MultibodyModel::driven_joints_move(double t) const {
+  return std::any_of(driven_.begin(), driven_.end(),
+                     [&](int body) { return drive(scene_.bodies[body].joint.drive, t).rate != 0; });
+}
+
 double MultibodyModel::work_power() const {
-  const double joints = driven_.empty() ? 0 : simbody_->matter.calcMotionPower(simbody_->state);
+  const double joints = !driven_joints_move(time_) ? 0 : simbody_->matter.calcMotionPower(simbody_->state);
   return loads_.rope_work_in + joints;
 }
 

@@ -48,8 +48,11 @@ class MultibodyModel {
 
   // ∂(dy/dt)/∂y, column after column, by differences; `y_dot` belongs to (t, y). Bodies that neither touch now nor share
   // a rope, a closed lock or a joint do not feel each other: their columns are taken together, so that the evaluations
-  // needed grow with the most neighbours that a body has and not with the number of bodies. Allocates nothing.
-  void jacobian(double t, const double* y, const double* y_dot, double* jacobian);
+  // needed grow with the most neighbours that a body has and not with the number of bodies. Where every body that moves
+  // is free, Newton's and Euler's laws stand in for Simbody's tree, which costs more than the forces. Allocates nothing.
+  // `speeds` leaves the columns of positions as they are.
+  enum class Columns { all, speeds };
+  void jacobian(double t, const double* y, const double* y_dot, double* jacobian, Columns columns = Columns::all);
 
   // At the last evaluation:
   double time() const { return time_; }
@@ -60,13 +63,14 @@ class MultibodyModel {
     return forces_.time_to_contact(motions_, depth, acceleration, locks_closed_);
   }
   double moving_mass() const { return moving_mass_; }  // of all bodies that are not fixed to the world [kg]
+  double moving_weight() const { return moving_mass_ * scene_.gravity.norm(); }  // [N]
   double kinetic_energy() const;
   double potential_energy() const;  // gravity, ropes, locks, contacts
-  double work_power() const;        // of rope drives and driven joints; after `derivative` only where joints are driven
+  double work_power() const;        // of rope drives and driven joints; where these move, after `derivative` only
   double dissipated_power() const;  // ropes, locks, contacts, joints
-  bool has_driven_joints() const { return !driven_.empty(); }
+  bool driven_joints_move(double t) const;  // whether any does, so that its drive works
 
-  std::uint64_t evaluations = 0;  // calls of `evaluate` and `derivative`
+  std::uint64_t evaluations = 0;  // of the forces: calls of `evaluate` and `derivative`, and those for the Jacobian
   contact_nn::ContactCounters contact_counters;
 
  private:
@@ -76,7 +80,16 @@ class MultibodyModel {
     crane_models::DriveMotion motion;
   };
 
+  // A body that nothing but forces ties to others.
+  struct FreeBody {
+    int body;
+    crane_models::Pose X_WF;        // of its joint's fixed frame
+    Eigen::Matrix3d inverse_I_B;    // of its inertia about the centre of mass
+  };
+
   void find_blocks();
+  void find_free_bodies();
+  void free_derivative(const double* y, double* y_dot);
   void find_coupling();
   void colour_blocks();
 
@@ -100,7 +113,10 @@ class MultibodyModel {
   std::vector<char> coupled_;             // blocks × blocks: whether one now feels the other
   std::vector<int> colours_;              // of blocks; no block feels two of one colour
   int colour_count_ = 0;
-  std::vector<double> y_shifted_, y_dot_shifted_, shifts_;
+  std::vector<FreeBody> free_bodies_;     // of all blocks; none where a block is anything else
+  std::vector<double> y_shifted_, y_dot_shifted_, y_dot_begin_, shifts_;
+  std::vector<BodyMotion> motions_shifted_;
+  SceneLoads loads_shifted_;
   std::unique_ptr<Simbody> simbody_;
 };
 

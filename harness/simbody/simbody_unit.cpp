@@ -23,20 +23,30 @@ constexpr double kVelocityScale = 1.0;          // [m/s]
 constexpr double kAngularVelocityScale = 0.2;   // [rad/s]
 
 // A step is bounded so that it ends at most this deep inside a box it has not seen [m]: at a stiffness of 6e8 N/m the
-// contact then holds twice the weight of a full container, an error that the integrator sees and cuts.
-constexpr double kBlindDepth = 1e-3;
+// contact then holds two fifths of the weight of a full container, an error that the integrator sees and cuts. What grazes
+// a box less deeply may be missed.
+constexpr double kBlindDepth = 2e-4;
 constexpr double kAccelerationBound = 30.0;  // of what is not in contact: three times gravity [m/s²]
 constexpr double kShortestBound = 1e-6;      // so that bounding cannot stall a step [s]
 
-// BDF of order three and more is unstable for stiff oscillations without damping and rings in a contact at rest. While
-// bodies touch, the integrator watches its own stability; where a contact has lasted for kRestingTime and what still
-// moves is hardly more than the tolerance, order two, which is stable, is cheaper. The mean speed has to rise by a
-// factor to leave it again: each change is a restart.
-constexpr double kRestingTime = 1.0;       // [s]
-constexpr double kRestingSpeed = 1e4;      // root of the mean square over all mass, per relative tolerance [m/s]
+// BDF of order three and more is unstable for stiff oscillations without damping and rings in a contact at rest: what
+// rounding leaves grows up to the tolerance. While bodies touch, the integrator watches its own stability; where a contact
+// has lasted for kRestingTime, some periods, undisturbed by inputs, and what still moves is hardly more than the tolerance,
+// order two, which is stable, is cheaper. The mean speed has to rise by a factor to leave it again: each change is a
+// restart.
+constexpr double kRestingTime = 0.1;       // [s]
+constexpr double kRestingSpeed = 1e3;      // root of the mean square over all mass, per relative tolerance [m/s]
 constexpr double kRestlessFactor = 4;
 constexpr int kOrderInMotion = Integrator::kHighestOrder;
 constexpr int kOrderAtRest = 2;
+
+// Friction's rate, μ N/(m v), goes with the normal force, which an impact changes a hundredfold within some steps. With
+// the Jacobian of another force an iteration of Newton's leaves a part of every error in the directions that friction
+// damps; where prediction, which multiplies rounding by 2^(order + 1) − 1 a step, outdoes that, rounding grows up to the
+// tolerance, a flat landing turns, and steps shrink. So the Jacobian, as far as speeds are concerned, is renewed where that
+// part would exceed this.
+constexpr double kLargestRemainder = 0.12;
+constexpr double kImplicitPart = 0.4;  // of a step that its new rate contributes: 60/137 at order five
 
 // Steps shrink before the moment at which a rope's rest length is used up, to fail at last within this of it [s].
 constexpr double kSpentRopeOutlook = 1e-3;
@@ -82,12 +92,13 @@ class Dynamics final : public OdeSystem {
 
   bool quadrature(double t, const double* y, double* z_dot) override {
     last_caller_ = Caller::integrator_at_step_end;
-    if (model_.has_driven_joints()) {
+    if (model_.driven_joints_move(t)) {
       scratch_.resize(model_.size());
       model_.derivative(t, y, scratch_.data());
     } else {
       model_.evaluate(t, y);
     }
+    note_forces(at_step_end_);
     z_dot[kWorkIn] = model_.work_power();
     z_dot[kDissipated] = model_.dissipated_power();
     for (std::size_t i = 0; i < groups_.size(); ++i) {
@@ -98,8 +109,39 @@ class Dynamics final : public OdeSystem {
 
   bool jacobian(double t, const double* y, const double* y_dot, double* jacobian) override {
     last_caller_ = Caller::integrator;
-    model_.jacobian(t, y, y_dot, jacobian);
+    if (model_.time() != t) model_.evaluate(t, y);
+    // Other forces between the same pairs: stiffness is as it was, friction is not.
+    forces_before_.swap(at_jacobian_);
+    note_forces(at_jacobian_);
+    const bool partly = std::exchange(renewal_, false) && same_pairs_touch(forces_before_, at_jacobian_);
+    jacobian_.resize(static_cast<std::size_t>(model_.size()) * model_.size());
+    model_.jacobian(t, y, y_dot, jacobian_.data(), partly ? MultibodyModel::Columns::speeds : MultibodyModel::Columns::all);
+    std::copy(jacobian_.begin(), jacobian_.end(), jacobian);
+    damping_rate_ = 0;
+    for (int i = 0; i < model_.size(); ++i) {
+      damping_rate_ = std::max(damping_rate_, -jacobian[static_cast<std::size_t>(i) * (model_.size() + 1)]);
+    }
     return finite(jacobian, static_cast<std::size_t>(model_.size()) * model_.size());
+  }
+
+  // Whether steps as long as this one want another Jacobian, since contacts press otherwise than at the last one: see
+  // kLargestRemainder. Forces below the weight of all that moves count as that weight.
+  bool jacobian_is_old(double step) const {
+    const double z = kImplicitPart * step * damping_rate_, stiff = z / (1 + z);
+    for (std::size_t i = 0; i < at_jacobian_.size() && i < at_step_end_.size(); ++i) {
+      const double before = at_jacobian_[i], now = at_step_end_[i];
+      const double change = std::abs(now - before) / std::max(before, model_.moving_weight());
+      if (change * (before > model_.moving_weight() ? stiff : 1) > kLargestRemainder) return true;
+    }
+    return false;
+  }
+  // Whether that is why the next Jacobian is asked for.
+  void expect_renewal(bool expected) { renewal_ = expected; }
+
+  // After a restart: the next step begins with a Jacobian anyhow.
+  void forget_jacobian() {
+    at_jacobian_.clear();
+    renewal_ = false;
   }
 
   // Quaternions: onto the unit sphere, and errors onto its tangent.
@@ -126,9 +168,22 @@ class Dynamics final : public OdeSystem {
   }
 
  private:
+  void note_forces(std::vector<double>& forces) const {
+    forces.clear();
+    for (const PairLoad& load : model_.loads().pairs) forces.push_back(load.contact.normal_force);
+  }
+
+  static bool same_pairs_touch(const std::vector<double>& a, const std::vector<double>& b) {
+    return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](double x, double y) { return (x > 0) == (y > 0); });
+  }
+
   MultibodyModel& model_;
   const std::vector<crane_models::ContactGroup>& groups_;
   std::vector<double> scratch_;
+  std::vector<double> jacobian_;                                   // the last one
+  std::vector<double> at_jacobian_, at_step_end_, forces_before_;  // normal force of each pair [N]
+  bool renewal_ = false;
+  double damping_rate_ = 0;      // the highest of a speed, there [1/s]
   Caller last_caller_ = Caller::unit;
 };
 
@@ -173,6 +228,7 @@ class SimbodyUnit final : public SceneEngine {
 
   void take_inputs();
   int order_now() const;
+  void restart_integrator(double t, int max_order, const std::vector<double>& y, const std::vector<double>& integrals);
   void integrate_once();
   void settle(Time time);
   void look(double t, EventMonitor::Sample& sample);
@@ -186,7 +242,8 @@ class SimbodyUnit final : public SceneEngine {
   std::vector<double> y_;                        // at time_
   std::vector<double> y_then_, integrals_then_;  // where `look` looked last
   bool running_ = false;             // the integrator's history holds time_
-  int max_order_ = kOrderInMotion;   // now and, for the hysteresis of kRestlessFactor, in saved states
+  double disturbed_at_ = 0;          // when it was started last: at inputs, a save, a restore [s]
+  int max_order_ = kOrderInMotion;
 };
 
 EngineStatistics SimbodyUnit::statistics() const {
@@ -210,7 +267,6 @@ void SimbodyUnit::take_inputs() {
 void SimbodyUnit::place_start() {
   take_inputs();
   model_.start(seconds(time_), y_.data());
-  max_order_ = kOrderInMotion;
 }
 
 void SimbodyUnit::evaluate() {
@@ -220,12 +276,10 @@ void SimbodyUnit::evaluate() {
 
 void SimbodyUnit::save_motion(ByteWriter& out) const {
   out.put(y_.data(), y_.size());
-  out.put(max_order_);
 }
 
 void SimbodyUnit::restore_motion(ByteReader& in) {
   in.get(y_.data(), y_.size());
-  in.get(max_order_);
 }
 
 // --- Stepping -------------------------------------------------------------------------------------------------------
@@ -262,9 +316,17 @@ int SimbodyUnit::order_now() const {
   if (ledger_.kinetic > 0.5 * model_.moving_mass() * speed_limit * speed_limit) return kOrderInMotion;
   for (std::size_t i = 0; i < monitor_.groups().size(); ++i) {
     const int group = static_cast<int>(i);
-    if (monitor_.touching(group) && begin_.time - monitor_.touching_since(group) > kRestingTime) return kOrderAtRest;
+    const double since = std::max(monitor_.touching_since(group), disturbed_at_);
+    if (monitor_.touching(group) && begin_.time - since > kRestingTime) return kOrderAtRest;
   }
   return kOrderInMotion;
+}
+
+void SimbodyUnit::restart_integrator(double t, int max_order, const std::vector<double>& y,
+                                     const std::vector<double>& integrals) {
+  max_order_ = max_order;
+  integrator_->restart(t, y.data(), integrals.data(), max_order);
+  dynamics_.forget_jacobian();
 }
 
 // The integrator's next step, from where the monitor stands.
@@ -273,11 +335,12 @@ void SimbodyUnit::integrate_once() {
   const int order = order_now();
   if (order != max_order_ || model_.time() != t) look(t, end_);
   if (order != max_order_) {
-    integrator_->restart(t, y_then_.data(), integrals_then_.data(), max_order_ = order);
+    restart_integrator(t, order, y_then_, integrals_then_);
   }
   bool touching = false;
   for (std::size_t i = 0; i < monitor_.groups().size(); ++i) touching |= monitor_.touching(static_cast<int>(i));
   integrator_->watch_stability(touching);
+  dynamics_.expect_renewal(dynamics_.jacobian_is_old(t - integrator_->step_begin()) && integrator_->renew_jacobian());
   const double free_flight = model_.time_to_contact(kBlindDepth, kAccelerationBound);
   integrator_->step(t + std::clamp(free_flight, kShortestBound, kFarAway));
 }
@@ -287,7 +350,8 @@ void SimbodyUnit::integrate_once() {
 StepResult SimbodyUnit::advance_to(Time target) {
   while (begin_.time < seconds(target)) {
     if (!running_) {
-      integrator_->restart(seconds(time_), y_.data(), integrals_.data(), max_order_ = order_now());
+      disturbed_at_ = seconds(time_);
+      restart_integrator(disturbed_at_, kOrderInMotion, y_, integrals_);
       running_ = true;
     }
     if (integrator_->time() <= begin_.time) integrate_once();
