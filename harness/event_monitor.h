@@ -68,6 +68,7 @@ class EventMonitor {
   struct Contact : Signal {
     double start = 0;                                           // [s]
     double peak_force = 0;                                      // [N]
+    double time_before = 0, force_before = 0;                   // where the step before this one began [s, N]
     Eigen::Vector3d impulse_at_start = Eigen::Vector3d::Zero();  // [N s]
   };
   struct Crossing {
