@@ -41,8 +41,10 @@ crane_models::ReductionReport nothing_reduced(const crane_models::Scene& scene) 
 // One engine with drives of its own: a plant that may stop at its events, and the drives that follow it.
 class Chain {
  public:
-  Chain(const std::string& engine, std::unique_ptr<EngineUnit> plant, DriveUnit drives, const cases::Case& description)
-      : plant_(std::move(plant)), drives_(std::move(drives)), master_(master_settings(description.master)) {
+  Chain(const std::string& engine, std::unique_ptr<EngineUnit> plant, DriveUnit drives, const cases::Case& description,
+        bool cpu_times)
+      : plant_(std::move(plant)), drives_(std::move(drives)), master_(master_settings(description.master)),
+        cpu_times_(cpu_times) {
     run_.engine = engine;
     master_.add(*plant_);
     master_.add(drives_);
@@ -76,9 +78,9 @@ class Chain {
   void advance_to(Time time) {
     guarded([&] {
       const Clock::time_point begin = Clock::now();
-      const double cpu_begin = cpu_time();
+      const double cpu_begin = cpu_times_ ? cpu_time() : 0;
       active_ = master_.advance_to(time);
-      run_.step_cpu_s.push_back(cpu_time() - cpu_begin);
+      if (cpu_times_) run_.step_cpu_s.push_back(cpu_time() - cpu_begin);
       run_.step_times_s.push_back(std::chrono::duration<double>(Clock::now() - begin).count());
       run_.wall_s += run_.step_times_s.back();
       record();
@@ -151,6 +153,7 @@ class Chain {
   DriveUnit drives_;
   std::vector<std::unique_ptr<FmuUnit>> units_;
   Master master_;
+  const bool cpu_times_;
   std::vector<std::pair<const Unit*, ValueReference>> recorded_;
   std::vector<double> row_;
   EngineRun run_;
@@ -195,7 +198,7 @@ RunResult run_case(const cases::Case& description, const RunOptions& options, co
   std::vector<std::unique_ptr<Chain>> chains;  // a master refers to the units beside it: chains stay where they are
   for (const std::string& engine : options.engines) {
     auto plant = factory(engine, result.scene, contact_settings(description.contact), solver_settings(description));
-    chains.push_back(std::make_unique<Chain>(engine, std::move(plant), drives, description));
+    chains.push_back(std::make_unique<Chain>(engine, std::move(plant), drives, description, options.cpu_times));
   }
 
   for (const auto& chain : chains) chain->initialize();

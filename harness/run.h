@@ -18,6 +18,7 @@ struct RunOptions {
   std::vector<std::string> engines{"simbody", "mujoco_same_law", "mujoco"};
   bool full_scene = false;
   bool real_time = false;
+  bool cpu_times = false;  // a microsecond a step, which is a share of short ones
   // Called at communication points with simulated time and engine; returning false ends the run in good order.
   std::function<bool(double time, const std::string& engine)> progress;
 };
@@ -33,7 +34,7 @@ struct EngineRun {
   double wall_s = 0;                 // stepping only: no building, no writing
   double simulated_s = 0;
   std::vector<double> step_times_s;  // wall time of each macro step
-  std::vector<double> step_cpu_s;    // CPU time of this thread in each
+  std::vector<double> step_cpu_s;    // with `cpu_times`: CPU time of this thread in each
   std::vector<std::uint64_t> steps_taken;  // by the integrator, up to each row of the trajectory
   std::optional<std::string> failure;
 };

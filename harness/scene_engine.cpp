@@ -265,9 +265,9 @@ void SceneEngine::fill(double time, const std::vector<double>& integrals, EventM
   }
 }
 
-void SceneEngine::update_ledger(const std::vector<double>& integrals) {
-  ledger_.kinetic = kinetic_energy();
-  ledger_.potential = potential_energy();
+void SceneEngine::update_ledger(const std::vector<double>& integrals, double kinetic, double potential) {
+  ledger_.kinetic = kinetic;
+  ledger_.potential = potential;
   ledger_.work_in = integrals[kWorkIn];
   ledger_.dissipated = integrals[kDissipated];
   ledger_.largest_exchange =

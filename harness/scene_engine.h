@@ -78,7 +78,8 @@ class SceneEngine : public EngineUnit {
 
   // What the monitor wants to know, at the last evaluation.
   void fill(double time, const std::vector<double>& integrals, EventMonitor::Sample& sample) const;
-  void update_ledger(const std::vector<double>& integrals);
+  void update_ledger(const std::vector<double>& integrals) { update_ledger(integrals, kinetic_energy(), potential_energy()); }
+  void update_ledger(const std::vector<double>& integrals, double kinetic, double potential);
   // Makes the last evaluation, at `time_` with `integrals_`, what the interface shows.
   void publish();
   // Throws where a body is about to come out of another on the far side.

@@ -43,6 +43,8 @@ struct Row {
 
 void FramesCommand::execute() const {
   const std::vector<fs::path> files = case_files(paths);
+  RunOptions run_options = options.run_options();
+  run_options.cpu_times = true;
   std::vector<Row> rows;
   for (const fs::path& file : files) rows.push_back({file.stem().string(), {}});
   Row total{"all", {}};
@@ -51,7 +53,7 @@ void FramesCommand::execute() const {
     for (std::size_t i = 0; total.times_s.size() < least || i % files.size() != 0; ++i) {  // whole rounds
       cases::Case description = options.load(files[i % files.size()]);
       description.output_interval = 1 / rate;
-      const RunResult result = run_case(description, options.run_options());
+      const RunResult result = run_case(description, run_options);
       for (const EngineRun& run : result.engines) {
         if (run.failure) throw std::runtime_error(fmt::format("{}: {}", files[i % files.size()].string(), *run.failure));
         for (Row* row : {&rows[i % files.size()], &total}) {

@@ -204,7 +204,8 @@ class SimbodyUnit final : public SceneEngine {
                                      static_cast<int>(integrals_.size()), solver.max_step, model_.blocks()})),
         y_(model_.size()),
         y_then_(y_.size()),
-        integrals_then_(integrals_.size()) {
+        integrals_then_(integrals_.size()),
+        step_end_{monitor_.make_sample(), integrals_then_} {
     sample_at_ = [this](double t, EventMonitor::Sample& sample) { look(t, sample); };
     reset();
   }
@@ -230,6 +231,7 @@ class SimbodyUnit final : public SceneEngine {
   int order_now() const;
   void restart_integrator(double t, int max_order, const std::vector<double>& y, const std::vector<double>& integrals);
   void integrate_once();
+  void look_ahead();
   void settle(Time time);
   void look(double t, EventMonitor::Sample& sample);
 
@@ -241,6 +243,13 @@ class SimbodyUnit final : public SceneEngine {
 
   std::vector<double> y_;                        // at time_
   std::vector<double> y_then_, integrals_then_;  // where `look` looked last
+  // Where the integrator stands, noted while the model stands there too: output rows within the step move the model.
+  struct StepEnd {
+    EventMonitor::Sample sample;
+    std::vector<double> integrals;
+    double kinetic = 0, potential = 0;  // [J]
+    double free_flight = 0;             // until a contact may be made [s]
+  } step_end_;
   bool running_ = false;             // the integrator's history holds time_
   double disturbed_at_ = 0;          // when it was started last: at inputs, a save, a restore [s]
   int max_order_ = kOrderInMotion;
@@ -300,6 +309,7 @@ void SimbodyUnit::settle(Time time) {
   if (dynamics_.last_caller() == Dynamics::Caller::unit && model_.time() == seconds(time)) {  // by `look`
     y_ = y_then_;
     integrals_ = integrals_then_;
+    if (begin_.time == seconds(time)) return publish();
   } else {
     // An event's whole nanosecond, or that of the last good step, may lie just outside of the integrator's step.
     const double t = std::clamp(seconds(time), integrator_->step_begin(), integrator_->time());
@@ -333,16 +343,24 @@ void SimbodyUnit::restart_integrator(double t, int max_order, const std::vector<
 void SimbodyUnit::integrate_once() {
   const double t = integrator_->time();
   const int order = order_now();
-  if (order != max_order_ || model_.time() != t) look(t, end_);
   if (order != max_order_) {
+    look(t, step_end_.sample);
     restart_integrator(t, order, y_then_, integrals_then_);
   }
   bool touching = false;
   for (std::size_t i = 0; i < monitor_.groups().size(); ++i) touching |= monitor_.touching(static_cast<int>(i));
   integrator_->watch_stability(touching);
   dynamics_.expect_renewal(dynamics_.jacobian_is_old(t - integrator_->step_begin()) && integrator_->renew_jacobian());
-  const double free_flight = model_.time_to_contact(kBlindDepth, kAccelerationBound);
-  integrator_->step(t + std::clamp(free_flight, kShortestBound, kFarAway));
+  integrator_->step(t + std::clamp(step_end_.free_flight, kShortestBound, kFarAway));
+  look_ahead();
+}
+
+void SimbodyUnit::look_ahead() {
+  look(integrator_->time(), step_end_.sample);
+  step_end_.integrals = integrals_then_;
+  step_end_.kinetic = model_.kinetic_energy();
+  step_end_.potential = model_.potential_energy();
+  step_end_.free_flight = model_.time_to_contact(kBlindDepth, kAccelerationBound);
 }
 
 // Integrator steps and communication steps know nothing of each other: the monitor goes along the dense output in
@@ -352,12 +370,18 @@ StepResult SimbodyUnit::advance_to(Time target) {
     if (!running_) {
       disturbed_at_ = seconds(time_);
       restart_integrator(disturbed_at_, kOrderInMotion, y_, integrals_);
+      look_ahead();
       running_ = true;
     }
     if (integrator_->time() <= begin_.time) integrate_once();
-    look(std::min(integrator_->time(), seconds(target)), end_);
+    if (integrator_->time() <= seconds(target)) {
+      end_ = step_end_.sample;
+      update_ledger(step_end_.integrals, step_end_.kinetic, step_end_.potential);
+    } else {
+      look(seconds(target), end_);
+      update_ledger(integrals_then_);
+    }
     check_depths(end_);
-    update_ledger(integrals_then_);
     const auto flip = monitor_.advance(begin_, end_, sample_at_);
     if (flip && *flip <= target) {
       settle(*flip);

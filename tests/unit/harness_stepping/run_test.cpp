@@ -71,6 +71,7 @@ TEST(RunCase, RecordsEveryEngineAtTheSameCommunicationPoints) {
   Fall fall;
   RunOptions options;
   options.engines = {"simbody", "mujoco"};
+  options.cpu_times = true;
   const RunResult result = run_case(falling_box(1, 0.3), options, fall.factory());
   const std::vector<double> times{0, 0.3, 0.6, 0.9, 1};
   ASSERT_EQ(result.engines.size(), 2u);
