@@ -56,7 +56,7 @@ void RunCommand::execute() const {
   std::vector<std::string> written;
   try {
     written = write_output(directory, evaluated, command_line);
-    report::write_run_report(directory, evaluated, command_line);
+    report::write_run_report(directory, evaluated.run, summary(evaluated, command_line));
     written.emplace_back(report::kReportFile);
   } catch (const std::runtime_error& error) {
     fmt::print(stderr, "quayside: the results could not be written: {}\n", error.what());

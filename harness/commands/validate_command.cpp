@@ -95,7 +95,7 @@ int ValidateCommand::run_one(const fs::path& file, std::atomic<float>& progress,
   }
   if (!out.empty()) {
     write_output(fs::path(out) / name, evaluated, command_line);
-    report::write_run_report(fs::path(out) / name, evaluated, command_line);
+    report::write_run_report(fs::path(out) / name, evaluated.run, summary(evaluated, command_line));
   }
 
   const double took = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();

@@ -119,9 +119,8 @@ nlohmann::ordered_json pack_curves(const std::vector<CurveTable>& tables, double
       units.push_back(tables[t].curves[c].unit);
       counts.push_back(lines[t][c].size());
       for (const Vertex& vertex : lines[t][c]) append(ticks(vertex.time, duration), bytes);
+      for (const Vertex& vertex : lines[t][c]) append(float_bits(vertex.value), bytes);
     }
-    for (const auto& line : lines[t])
-      for (const Vertex& vertex : line) append(float_bits(vertex.value), bytes);
     engines[tables[t].engine] = {{"names", names}, {"units", units}, {"counts", counts}, {"data", base64(bytes)}};
   }
   return {{"duration", duration}, {"tolerance", tolerance}, {"engines", engines}};

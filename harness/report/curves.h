@@ -31,8 +31,8 @@ struct CurveTable {
 // {"duration": s, "tolerance": {"m": 2e-5, ...},
 //  "engines": {"simbody": {"names": [...], "units": [...], "counts": [...], "data": "base64"}}}
 //
-// `data` holds the vertices of all curves one after another, little endian: first the times as uint32 in units of
-// duration / 2³², then the values as float32. The tolerance of a unit is a share of the largest magnitude that any of its
+// `data` holds one curve after another, little endian: its vertices' times as uint32 in units of duration / 2³², then their
+// values as float32. So a reader can decode one curve without the others. The tolerance of a unit is a share of the largest magnitude that any of its
 // signals has; that share starts at a millionth and is doubled until the data take no more than `most_bytes`.
 nlohmann::ordered_json pack_curves(const std::vector<CurveTable>& tables, double duration, std::size_t most_bytes);
 

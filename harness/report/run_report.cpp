@@ -1,6 +1,8 @@
 #include "harness/report/run_report.h"
 
+#include "harness/build_scene.h"
 #include "harness/report/curves.h"
+#include "harness/report/machine_view.h"
 #include "harness/report/page.h"
 #include "harness/report/scene_view.h"
 
@@ -13,11 +15,13 @@ using Json = nlohmann::ordered_json;
 constexpr std::size_t kMostCurveBytes = 6'000'000;
 
 // Everything recorded, and what the engine had to do for it: wall time and mean step of the integrator per output interval.
-CurveTable curve_table(const RunResult& run, const EngineRun& engine) {
+CurveTable curve_table(const RunResult& run, const crane_models::Scene& full, const EngineRun& engine) {
   const Recording& recording = engine.trajectory;
   CurveTable table{engine.engine, {}};
   for (std::size_t i = 0; i < recording.names.size(); ++i)
     table.curves.push_back({recording.names[i], recording.units[i], recording.times, recording.columns[i]});
+  add_contact_views(run, engine, table);
+  add_machine_views(full, recording, table);
 
   // Interval i ends at row i + 1; a failed last step was timed but not recorded.
   // An integrator whose steps are longer than the interval takes none in some.
@@ -36,29 +40,29 @@ CurveTable curve_table(const RunResult& run, const EngineRun& engine) {
   }
   for (CurveTable::Curve* curve : {&wall, &mean_step})
     if (!curve->times.empty()) table.curves.push_back(std::move(*curve));
-  add_contact_views(run, engine, table);
   return table;
 }
 
 }  // namespace
 
-std::string run_report(const EvaluatedRun& evaluated, const std::string& command) {
-  const RunResult& run = evaluated.run;
+std::string run_report(const RunResult& run, const nlohmann::ordered_json& summary) {
+  LeftOut left_out;  // of a large yard, which is never built as a whole
+  const crane_models::Scene full = build_scene(run.description, left_out);
   std::vector<CurveTable> tables;
   Json events = Json::object();
   for (const EngineRun& engine : run.engines) {
-    tables.push_back(curve_table(run, engine));
+    tables.push_back(curve_table(run, full, engine));
     events[engine.engine] = to_json(engine.events);
   }
   return page("run", run.description.title,
-              {{"summary", summary(evaluated, command)},
-               {"scene", scene_view(run)},
+              {{"summary", summary},
+               {"scene", scene_view(run, full)},
                {"events", events},
                {"curves", pack_curves(tables, run.description.duration, kMostCurveBytes)}});
 }
 
-void write_run_report(const std::filesystem::path& directory, const EvaluatedRun& evaluated, const std::string& command) {
-  write_page((directory / kReportFile).string(), run_report(evaluated, command));
+void write_run_report(const std::filesystem::path& directory, const RunResult& run, const nlohmann::ordered_json& summary) {
+  write_page((directory / kReportFile).string(), run_report(run, summary));
 }
 
 }  // namespace quayside::harness::report

@@ -10,10 +10,11 @@ namespace quayside::harness::report {
 
 inline constexpr const char* kReportFile = "report.html";
 
-// `command`: as the user gave it.
-std::string run_report(const EvaluatedRun& evaluated, const std::string& command);
+// `summary`: as of summary.h. Of the run itself trajectories, events, case and scene are shown, and the integrator's steps and
+// times where they are known.
+std::string run_report(const RunResult& run, const nlohmann::ordered_json& summary);
 
 // Writes `kReportFile` into the directory. Throws std::runtime_error where it cannot be written.
-void write_run_report(const std::filesystem::path& directory, const EvaluatedRun& evaluated, const std::string& command);
+void write_run_report(const std::filesystem::path& directory, const RunResult& run, const nlohmann::ordered_json& summary);
 
 }  // namespace quayside::harness::report

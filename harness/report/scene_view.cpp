@@ -6,6 +6,7 @@
 #include <set>
 
 #include "harness/build_scene.h"
+#include "harness/report/machine_view.h"
 
 namespace quayside::harness::report {
 namespace {
@@ -24,8 +25,11 @@ constexpr double kContactInterval = 0.02;
 // are made where its solver says.
 constexpr double kNearby = 0.05;
 
-// Rails are drawn this far beyond where a trolley goes [m].
-constexpr double kRailsBeyond = 8;
+// Rails are drawn this far beyond where a trolley goes, and the legs of a portal this far apart [m].
+constexpr double kRailsBeyond = 8, kPortalWidth = 14;
+
+// A joint this far off its parent's box is drawn with a strut between them [m].
+constexpr double kOffTheBox = 0.5;
 
 // Where a body is: with a reported frame, or at rest in the world.
 struct Carrier {
@@ -67,18 +71,61 @@ Vector3d half_of_inertia(const Body& body) {
   return half;
 }
 
+Json frame_json(const std::optional<Carrier>& place) { return place->frame ? Json(place->frame->name) : Json(nullptr); }
+
 Json body_json(const cases::Case& description, const Scene& scene, int index, bool left_out) {
   const Body& body = scene.bodies[index];
   const std::optional<Carrier> place = left_out ? Carrier{nullptr, body.X_WB} : carrier(scene, index);
-  if (!place) return nullptr;
+  if (body.boxes.empty() || !place) return nullptr;
   Json boxes = Json::array();
   for (const auto& box : body.boxes) {
     const std::string& name = box.name.empty() ? body.name : box.name;
     boxes.push_back(placed(name, box.half, place->X_CB * box.X_BG, left_out ? "left_out" : kind_of(description, body, name)));
   }
-  if (body.boxes.empty() && body.mass > 0)
-    boxes.push_back(placed(body.name, half_of_inertia(body), place->X_CB * Eigen::Translation3d(body.p_BBcm), "machine"));
-  return {{"name", body.name}, {"frame", place->frame ? Json(place->frame->name) : Json(nullptr)}, {"boxes", boxes}};
+  return {{"name", body.name}, {"frame", frame_json(place)}, {"boxes", boxes}};
+}
+
+// A body of the full scene without collision boxes: where it is reported, else as `machine_parts` finds it.
+struct MachinePlace {
+  Json frame;
+  Pose X_CB = Pose::Identity();
+};
+
+MachinePlace machine_place(const Scene& full, int index) {
+  if (index == crane_models::kWorld) return {nullptr};
+  if (const std::optional<Carrier> place = carrier(full, index)) return {frame_json(place), place->X_CB};
+  return {part_frame(full.bodies[index])};
+}
+
+// What the upper ends of ropes hang on.
+bool is_trolley(const Scene& scene, int index) {
+  const crane_models::Joint& joint = scene.bodies[index].joint;
+  return joint.type == JointType::slider && joint.drive >= 0 &&
+         std::any_of(scene.ropes.begin(), scene.ropes.end(), [&](const spreader::Rope& rope) { return rope.upper.body == index; });
+}
+
+// Parts of machines, but for what trolleys run on: that is drawn as rails.
+void add_machine_bodies(const Scene& full, Json& bodies) {
+  std::vector<int> drawn = machine_parts(full);
+  for (int i = 0; i < static_cast<int>(full.bodies.size()); ++i) {
+    const Body& body = full.bodies[i];
+    if (body.boxes.empty() && body.mass > 0 && carrier(full, i)) drawn.push_back(i);
+    if (is_trolley(full, i)) drawn.erase(std::remove(drawn.begin(), drawn.end(), body.joint.parent), drawn.end());
+  }
+  for (const int i : drawn) {
+    const Body& body = full.bodies[i];
+    const MachinePlace place = machine_place(full, i);
+    const Vector3d half = half_of_inertia(body);
+    Json struts = Json::array();  // to the joints of other parts that lie off the box
+    for (const int k : drawn) {
+      const crane_models::Joint& joint = full.bodies[k].joint;
+      if (joint.parent != i) continue;
+      const Vector3d end = joint.X_PF.translation(), begin = body.p_BBcm + (end - body.p_BBcm).cwiseMin(half).cwiseMax(-half);
+      if ((end - begin).norm() > kOffTheBox) struts.push_back({{"from", vector_json(place.X_CB * begin)}, {"to", vector_json(place.X_CB * end)}});
+    }
+    bodies.push_back({{"name", body.name}, {"frame", place.frame}, {"struts", struts},
+                      {"boxes", {placed(body.name, half, place.X_CB * Eigen::Translation3d(body.p_BBcm), "machine")}}});
+  }
 }
 
 Json attachment_json(const Scene& scene, const spreader::Attachment& attachment) {
@@ -88,28 +135,30 @@ Json attachment_json(const Scene& scene, const spreader::Attachment& attachment)
   return {{"frame", place->frame ? Json(place->frame->name) : Json(nullptr)}, {"p", vector_json(place->X_CB * attachment.p_B)}};
 }
 
-// The line that a driven slider on the world runs along, as far as it went and a little beyond.
-Json rails_json(const RunResult& run) {
+// The line that a trolley runs along, as far as it went and a little beyond, and what carries it: a portal that a gantry
+// crane straddles its rows with; legs behind and a boom for others.
+Json rails_json(const RunResult& run, const Scene& full) {
   Json rails = Json::array();
-  for (const Body& body : run.scene.bodies) {
-    const crane_models::Joint& joint = body.joint;
-    if (joint.type != JointType::slider || joint.parent != crane_models::kWorld) continue;
-    double from = 0, to = 0;
-    if (joint.drive >= 0) {
-      from = to = run.scene.drives[joint.drive].start;
-      const std::string value = run.scene.drives[joint.drive].name + ".value";
-      for (const EngineRun& engine : run.engines) {
-        const auto& names = engine.trajectory.names;
-        const auto found = std::find(names.begin(), names.end(), value);
-        if (found == names.end()) continue;
-        for (const double q : engine.trajectory.columns[found - names.begin()]) {
-          from = std::min(from, q);
-          to = std::max(to, q);
-        }
+  for (int i = 0; i < static_cast<int>(full.bodies.size()); ++i) {
+    if (!is_trolley(full, i)) continue;
+    const crane_models::Joint& joint = full.bodies[i].joint;
+    const crane_models::Drive& drive = full.drives[joint.drive];
+    double from = drive.start, to = drive.start;
+    for (const EngineRun& engine : run.engines) {
+      for (const double q : engine.trajectory.columns[engine.trajectory.index(drive.name + ".value")]) {
+        from = std::min(from, q);
+        to = std::max(to, q);
       }
     }
-    rails.push_back({{"p", vector_json(joint.X_PF.translation())}, {"axis", vector_json(joint.X_PF.linear().col(0))},
-                     {"from", from - kRailsBeyond}, {"to", to + kRailsBeyond}, {"body", body.name}});
+    from -= kRailsBeyond;
+    to += kRailsBeyond;
+    const bool straddles = run.description.crane.type == "rtg";
+    const double behind = straddles ? to : from - kPortalWidth;
+    const MachinePlace place = machine_place(full, joint.parent);
+    const Pose X_CF = place.X_CB * joint.X_PF;
+    rails.push_back({{"body", full.bodies[i].name}, {"frame", place.frame}, {"p", vector_json(X_CF.translation())},
+                     {"axis", vector_json(X_CF.linear().col(0))}, {"from", std::min(from, behind)}, {"to", to},
+                     {"legs", {from, behind}}, {"boom", !straddles}});
   }
   return rails;
 }
@@ -208,7 +257,7 @@ std::optional<Push> push_of(const Scene& scene, const crane_models::ContactGroup
 
 }  // namespace
 
-nlohmann::ordered_json scene_view(const RunResult& run) {
+nlohmann::ordered_json scene_view(const RunResult& run, const Scene& full) {
   const Scene& scene = run.scene;
   Json bodies = Json::array();
   std::set<std::string> drawn;
@@ -218,19 +267,18 @@ nlohmann::ordered_json scene_view(const RunResult& run) {
     for (const auto& box : body.at("boxes")) drawn.insert(box.at("name").get<std::string>());
     bodies.push_back(body);
   }
-  LeftOut left_out;
-  const Scene full = build_scene(run.description, left_out);
   for (int i = 0; i < static_cast<int>(full.bodies.size()); ++i) {
     const Body& body = full.bodies[i];
     const bool missing = !body.boxes.empty() && drawn.count(body.boxes.front().name.empty() ? body.name : body.boxes.front().name) == 0;
     if (missing) bodies.push_back(body_json(run.description, full, i, true));
   }
+  add_machine_bodies(full, bodies);
   Json ropes = Json::array();
   for (const spreader::Rope& rope : scene.ropes) {
     const Json upper = attachment_json(scene, rope.upper), lower = attachment_json(scene, rope.lower);
     if (!upper.is_null() && !lower.is_null()) ropes.push_back({{"name", rope.name}, {"upper", upper}, {"lower", lower}});
   }
-  return {{"bodies", bodies}, {"ropes", ropes}, {"rails", rails_json(run)}, {"focus", focus(scene)},
+  return {{"bodies", bodies}, {"ropes", ropes}, {"rails", rails_json(run, full)}, {"focus", focus(scene)},
           {"gravity", vector_json(scene.gravity)}};
 }
 

@@ -85,14 +85,13 @@ TEST(PackedCurves, ReadBackWithinTheStatedTolerance) {
   const auto& engine = packed["engines"]["simbody"];
   const std::vector<std::size_t> counts = engine["counts"];
   const std::vector<std::uint8_t> bytes = from_base64(engine["data"]);
-  const std::size_t all = counts[0] + counts[1];
-  ASSERT_EQ(bytes.size(), 8 * all);
+  ASSERT_EQ(bytes.size(), 8 * (counts[0] + counts[1]));
   std::vector<Vertex> line(counts[0]);
   for (std::size_t i = 0; i < line.size(); ++i) {
     std::uint32_t tick = 0;
     float value = 0;
     std::memcpy(&tick, &bytes[4 * i], 4);
-    std::memcpy(&value, &bytes[4 * (all + i)], 4);
+    std::memcpy(&value, &bytes[4 * (counts[0] + i)], 4);
     line[i] = {tick * duration / 4294967296.0, value};
   }
   // Besides the tolerance: a tick of 2.3 ns at slopes of 30/s (the steps), and half a float32 of 1.3.

@@ -219,6 +219,16 @@ class Page(Report):
         self.click('#show-all')
         self.assertEqual(self.browser.evaluate('document.querySelector("#plots").dataset.to'), '3')
 
+    def test_shows_the_picture_before_the_rest(self):
+        first, complete = (self.browser.evaluate(f'performance.getEntriesByName("{name}")[0].startTime') for name in ('first picture', 'complete'))
+        self.assertLess(first, complete)
+        # A plot is decoded and painted when it comes into sight; then its label tells more than its title.
+        last = '[...document.querySelectorAll(".plot canvas")].pop()'
+        title = self.browser.evaluate(last + '.getAttribute("aria-label")')
+        self.assertNotIn('from', title)
+        self.browser.evaluate(last + '.scrollIntoView({behavior: "instant"})')
+        self.browser.wait_for(f'{last}.getAttribute("aria-label").startsWith("{title}. ")')
+
     def test_plots_any_signal(self):
         before = self.browser.evaluate('document.querySelectorAll(".plot").length')
         self.browser.evaluate('(() => { const i = document.querySelector("#add-signal"); i.value = "beside.position.z"; i.dispatchEvent(new Event("change")); })()')

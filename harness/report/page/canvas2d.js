@@ -58,7 +58,7 @@ class CanvasRenderer {
           context.globalAlpha = 1;
         }});
       }
-    for (const l of [...scene.fixtures(), ...picture.lines])
+    for (const l of picture.lines)
       things.push({depth: norm(sub(scale(add(l.a, l.b), .5), camera.eye)), draw: () => polygon([l.a, l.b], null, css(l.colour), l.width)});
     for (const thing of things.sort((a, b) => b.depth - a.depth)) thing.draw();
     if (ghost)

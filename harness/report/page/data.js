@@ -2,12 +2,18 @@
 
 const data = JSON.parse(document.getElementById('data').textContent);
 
-// A polyline over time. Outside of its span it keeps its first and last value.
+// A polyline over time. Outside of its span it keeps its first and last value. Most are never looked at: `unpack` gives the
+// vertices, [times, values], when they are first asked for.
 class Curve {
-  constructor(name, unit, times, values) {
-    Object.assign(this, {name, unit, times, values});
-    this.last = 0;
+  constructor(name, unit, unpack) { Object.assign(this, {name, unit, unpack, last: 0}); }
+
+  vertices(which) {
+    const [times, values] = this.unpack();
+    Object.defineProperties(this, {times: {value: times}, values: {value: values}});
+    return this[which];
   }
+  get times() { return this.vertices('times'); }
+  get values() { return this.vertices('values'); }
 
   // Index of the last vertex at or before t; remembers where it was, since players ask for the next moment.
   index(t) {
@@ -48,22 +54,29 @@ class Curve {
   }
 }
 
+// Bytes [from, to) of what the text encodes; only their part of it is decoded.
+function bytesOf(base64, from, to) {
+  const skip = from % 3, text = atob(base64.slice((from - skip) / 3 * 4, Math.ceil(to / 3) * 4)), bytes = new Uint8Array(to - from);
+  for (let i = 0; i < bytes.length; ++i) bytes[i] = text.charCodeAt(skip + i);
+  return bytes;
+}
+
 // Engine name -> Map of curve name -> Curve.
 function unpackCurves(packed) {
-  const engines = new Map();
+  const engines = new Map(), tick = packed.duration / 2 ** 32;
   for (const [engine, table] of Object.entries(packed.engines)) {
-    const text = atob(table.data), bytes = new Uint8Array(text.length);
-    for (let i = 0; i < text.length; ++i) bytes[i] = text.charCodeAt(i);
-    const all = bytes.length / 8;
-    const ticks = new Uint32Array(bytes.buffer, 0, all), values = new Float32Array(bytes.buffer, 4 * all, all);
-    const curves = new Map(), tick = packed.duration / 2 ** 32;
-    let first = 0;
+    const curves = new Map();
+    let end = 0;
     table.names.forEach((name, i) => {
-      const times = Float64Array.from(ticks.subarray(first, first + table.counts[i]), n => n * tick);
-      // The end itself is one tick beyond what 32 bits hold.
-      if (times.length && times[times.length - 1] > packed.duration - 2 * tick) times[times.length - 1] = packed.duration;
-      curves.set(name, new Curve(name, table.units[i], times, values.subarray(first, first + table.counts[i])));
-      first += table.counts[i];
+      const count = table.counts[i], first = end;
+      end += 8 * count;
+      curves.set(name, new Curve(name, table.units[i], () => {
+        const {buffer} = bytesOf(table.data, first, first + 8 * count), ticks = new Uint32Array(buffer, 0, count), times = new Float64Array(count);
+        for (let k = 0; k < count; ++k) times[k] = ticks[k] * tick;
+        // The end itself is one tick beyond what 32 bits hold.
+        if (count && times[count - 1] > packed.duration - 2 * tick) times[count - 1] = packed.duration;
+        return [times, new Float32Array(buffer, 4 * count, count)];
+      }));
     });
     engines.set(engine, curves);
   }

@@ -4,7 +4,7 @@ const engineNames = {simbody: 'Simbody', mujoco_same_law: 'MuJoCo (same laws)', 
 const engineName = engine => engineNames[engine] || engine;
 
 const eventTexts = {contact_made: 'contact made', contact_broken: 'contact broken', rope_slack: 'rope slack', rope_taut: 'rope taut',
-  landed: 'landed', lifted: 'lifted', lock_closed: 'locks closed', lock_opened: 'locks opened'};
+  landed: 'landed', lifted: 'lifted', lock_closed: 'locks closed', lock_opened: 'locks opened', lock_refused: 'locks refused', tripped: 'limit tripped', stopped: 'stopped'};
 const eventText = event => `${eventTexts[event.event] || event.event}${['landed', 'lifted'].includes(event.event) ? '' : ': ' + event.subject}`;
 
 // The time that player, plots and tables share.
@@ -44,7 +44,7 @@ class Clock {
 
 // Marks of events: a shape and a colour for each kind.
 const markStyles = {contact_made: ['▲', 0], contact_broken: ['△', 0], rope_slack: ['◇', 1], rope_taut: ['◆', 1], landed: ['●', 2],
-  lifted: ['○', 2], lock_opened: ['□', 3], lock_closed: ['■', 3]};
+  lifted: ['○', 2], lock_opened: ['□', 3], lock_closed: ['■', 3], lock_refused: ['⊠', 3], tripped: ['✖', 7], stopped: ['✖', 7]};
 
 class Player {
   constructor(clock, scene, engines, events, interval) {

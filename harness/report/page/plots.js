@@ -2,11 +2,12 @@
 
 const plotMargin = {left: 62, right: 10, top: 8, bottom: 22};
 
-// Round numbers in [low, high], at most `most` of them.
+// Round numbers in [low, high], about `most` of them and two at least.
 function ticks(low, high, most) {
   const raw = (high - low) / most, decade = 10 ** Math.floor(Math.log10(raw));
   const step = decade * ([1, 2, 5].find(f => f * decade >= raw) || 10), found = [];
   for (let k = Math.ceil(low / step - 1e-9); k * step <= high + 1e-9 * step; ++k) found.push(k * step);
+  if (found.length < 2 && most < 40) return ticks(low, high, 2 * most);
   return {found, digits: Math.max(0, -Math.floor(Math.log10(step) + 1e-9))};
 }
 
@@ -58,8 +59,8 @@ class PlotGroup {
 class Plot {
   // series: [{label, curve, style}]; options: log, note, removable
   constructor(group, title, unitName, series, {log = false, note = '', removable = false} = {}) {
-    Object.assign(this, {group, title, unit: unitName, series, log, stale: true, visible: true});
-    this.canvas = element('canvas', {tabindex: 0, role: 'img', 'aria-label': this.summary()});
+    Object.assign(this, {group, title, unit: unitName, series, log, stale: true, visible: false});
+    this.canvas = element('canvas', {tabindex: 0, role: 'img', 'aria-label': title});
     this.canvas.plot = this;
     this.heading = element('h3', {}, title);
     this.keys = series.map(s => {
@@ -88,7 +89,7 @@ class Plot {
     this.canvas.width = Math.round(this.width * ratio);
     this.canvas.height = Math.round(this.height * ratio);
     this.stale = true;
-    this.redraw();
+    if (this.visible) this.redraw();
   }
 
   x(t) { return plotMargin.left + (this.width - plotMargin.left - plotMargin.right) * (t - this.group.from) / (this.group.to - this.group.from); }
@@ -127,6 +128,7 @@ class Plot {
 
   paint() {
     this.stale = false;
+    this.canvas.setAttribute('aria-label', this.summary());
     this.setRange();
     const ratio = devicePixelRatio || 1, {width, height} = this, {left, right, top, bottom} = plotMargin;
     this.base ||= document.createElement('canvas');
@@ -158,7 +160,7 @@ class Plot {
     c.textBaseline = 'alphabetic';
     const {found, digits} = ticks(this.group.from, this.group.to, Math.max(2, (width - left) / 75));
     for (const t of found) {
-      if (this.x(t) > width - 40) continue;
+      if (this.x(t) > width - 62) continue;  // there stands the unit
       c.fillText(t.toFixed(digits), this.x(t), height - 7);
       c.beginPath();
       c.moveTo(this.x(t), height - bottom);

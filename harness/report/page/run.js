@@ -6,10 +6,10 @@ function distanceCurve(frame, a, b) {
   if (parts.some(p => !p[0] || !p[1])) return null;
   const end = Math.min(...parts.flat().map(curve => curve.end));
   const times = Float64Array.from(new Set(parts.flat().flatMap(curve => [...curve.times]))).sort().filter(t => t <= end);
-  return new Curve('distance', 'm', times, Float32Array.from(times, t => Math.hypot(...parts.map(([p, q]) => p.at(t) - q.at(t)))));
+  return new Curve('distance', 'm', () => [times, Float32Array.from(times, t => Math.hypot(...parts.map(([p, q]) => p.at(t) - q.at(t))))]);
 }
 
-function shifted(curve, by) { return new Curve(curve.name, curve.unit, curve.times, curve.values.map(v => v + by)); }
+function shifted(curve, by) { return new Curve(curve.name, curve.unit, () => [curve.times, curve.values.map(v => v + by)]); }
 
 // Plots worth a first look; every other signal is one choice away.
 function firstPlots(group, engines, scene) {
@@ -47,7 +47,7 @@ function firstPlots(group, engines, scene) {
 
 function plotTools(group, engines) {
   const names = [...engines.keys()], all = [...new Set(names.flatMap(engine => [...engines.get(engine).keys()]))]
-    .filter(name => !/^contact\..*\.(point|direction)\.[xyz]$/.test(name));
+    .filter(name => !/^machine\.|^contact\..*\.(point|direction)\.[xyz]$/.test(name));
   const input = element('input', {type: 'text', list: 'signals', id: 'add-signal', placeholder: 'Plot another signal …', 'aria-label': 'Plot another signal', autocomplete: 'off',
     onchange: () => {
       const series = names.map((engine, i) => ({label: engineName(engine), curve: engines.get(engine).get(input.value), style: i})).filter(s => s.curve);
@@ -124,22 +124,19 @@ function runPage() {
   const engines = unpackCurves(data.curves), names = [...engines.keys()].filter(name => (engines.get(name).get('energy.kinetic')?.times.length || 0) > 0);
   const main = document.getElementById('main');
   for (const [name, e] of Object.entries(summary.engines)) if (e.failure) main.append(element('p', {class: 'message'}, `${engineName(name)} stopped: ${e.failure}`));
-  const clock = new Clock(data.curves.duration);
-  let player = null;
+  let player = null, group = null, plots = null;
   const events = data.events;
   if (names.length) {
     for (const name of [...engines.keys()]) if (!names.includes(name)) engines.delete(name);
-    const scene = new SceneView(data.scene, engines);
-    const interval = summary.case.output_interval;
-    player = new Player(clock, scene, names, events, interval);
-    const group = new PlotGroup(clock);
-    (player.pickListeners ||= []).push(event => { group.picked = event; group.redraw(); });
-    firstPlots(group, engines, scene);
-    const plots = element('div', {class: 'plots', role: 'region', 'aria-label': 'Plots'}, plotTools(group, engines), group.element);
+    const clock = new Clock(data.curves.duration), interval = summary.case.output_interval;
+    player = new Player(clock, new SceneView(data.scene, engines), names, events, interval);
+    group = new PlotGroup(clock);
+    plots = element('div', {class: 'plots', role: 'region', 'aria-label': 'Plots'});
     main.append(element('div', {class: 'workspace'}, player.element, plots));
     bindKeys(clock, player, dialog, interval);
     theme.listeners.push(() => player.drawMarks());
     player.engineListeners.push(() => player.drawMarks());
+    (player.pickListeners ||= []).push(event => { group.picked = event; group.redraw(); });
     // Paper takes what is painted by the time this returns, of 2D canvases alone.
     addEventListener('beforeprint', () => {
       for (const plot of group.plots) { plot.stale = true; plot.redraw(); }
@@ -149,16 +146,29 @@ function runPage() {
       canvas.before(paper);
     });
     addEventListener('afterprint', () => player.view.querySelector('.paper')?.remove());
+    clock.notify();
+    player.resize();
+    performance.mark('first picture');
   }
+  // The picture is on the screen before the rest is made.
+  requestAnimationFrame(() => setTimeout(() => {
+    if (player) {
+      plots.append(plotTools(group, engines), group.element);
+      firstPlots(group, engines, player.scene);
+    }
+    addCards(summary, events, player);
+    performance.mark('complete');
+    document.documentElement.dataset.ready = 'true';
+  }));
+}
+
+function addCards(summary, events, player) {
   const wide = made => { made?.classList.add('wide', 'long'); return made; };
-  main.append(element('div', {class: 'columns'}, ...[
+  document.getElementById('main').append(element('div', {class: 'columns'}, ...[
     wide(expectationsCard(summary)), wide(enginesCard(summary)), wide(budgetCard(summary)),
     player ? eventsCard(events, player) : null, comparisonCard(summary), sceneCard(summary), originCard(summary)].filter(Boolean)));
   const tolerances = Object.entries(data.curves.tolerance).filter(([unit]) => ['m', 'm/s', 'N', 'J', 'rad'].includes(unit))
     .map(([unit, value]) => quantity(value, unit, 2)).join(', ');
   document.getElementById('footer').append(element('p', {}, `Curves are polylines within ${tolerances} of the recorded values; the trajectories beside this file hold these in full. `
-    + 'Arrows have the recorded magnitude of the contact force; its direction and centre of pressure are those of the contact law at the recorded pose. Rails and the outline of the headblock are drawn to help the eye and are not simulated.'));
-  clock.notify();
-  player?.resize();
-  document.documentElement.dataset.ready = 'true';
+    + 'Arrows have the recorded magnitude of the contact force; its direction and centre of pressure are those of the contact law at the recorded pose. Rails, legs and stays of a crane and the outline of the headblock are drawn to help the eye and are not simulated.'));
 }

@@ -95,7 +95,12 @@ class SceneView {
       lines.push({a, b, width: outlines ? 1.2 : slack ? 1.3 : 3.2, colour: colour ? rgb(colour) : slack ? rgb(colours.rail) : ramp(tension / this.largestTension),
         casing: !outlines && !slack});
     }
-    if (!outlines) this.addHangers(pose, lines);
+    if (!outlines) {
+      this.addHangers(pose, lines);
+      for (const rail of this.scene.rails) this.addCrane(rail, pose(rail.frame), lines);
+      for (const {frame, struts} of this.scene.bodies)
+        for (const {from, to} of struts || []) lines.push({a: transform(pose(frame), from), b: transform(pose(frame), to), width: 5, colour: rgb(colours.machine)});
+    }
     return {boxes, lines, arrows: outlines ? [] : this.arrows(engine, t)};
   }
 
@@ -139,18 +144,24 @@ class SceneView {
     return arrows;
   }
 
-  // Lines that belong to the place and not to a moment.
-  fixtures() {
-    const lines = [], colour = rgb(theme.boxes.rail);
-    for (const rail of this.scene.rails) {
-      const side = unit(cross(rail.axis, [0, 0, 1])), carriage = this.solid.find(box => box.name === rail.body);
-      const gauge = carriage ? Math.max(...carriage.half.slice(0, 2)) : 2, drop = carriage ? carriage.half[2] : 0;
-      for (const s of [-1, 1]) {
-        const at = q => add(add(rail.p, scale(rail.axis, q)), add(scale(side, s * gauge * .9), [0, 0, -drop]));
-        lines.push({a: at(rail.from), b: at(rail.to), width: 3, colour});
-      }
+  // What a trolley runs on, as lines: its rails, legs down to the ground, and stays of a boom that reaches out beyond them.
+  addCrane(rail, X, lines) {
+    const colour = rgb(theme.boxes.rail), side = unit(cross(rail.axis, [0, 0, 1])), carriage = this.boxes.find(box => box.name === rail.body);
+    const gauge = carriage ? .9 * Math.max(...carriage.half.slice(0, 2)) : 2, drop = carriage ? carriage.half[2] : 0;
+    const at = (q, s, up = -drop) => transform(X, add(add(rail.p, scale(rail.axis, q)), add(scale(side, s * gauge), [0, 0, up])));
+    const line = (a, b, width) => lines.push({a, b, width, colour});
+    for (const s of [-1, 1]) line(at(rail.from, s), at(rail.to, s), 3);
+    for (const q of rail.legs) {
+      line(at(q, -1), at(q, 1), 2);
+      if (this.ground)
+        for (const s of [-1, 1]) line(at(q, s), [...at(q, s).slice(0, 2), this.ground.p[2] + this.ground.half[2]], 3);
     }
-    return lines;
+    if (!rail.boom) return;
+    const [front] = rail.legs, top = .3 * (rail.to - rail.from);
+    for (const s of [-1, 1]) {
+      line(at(front, s), at(front, s, top), 2);
+      for (const q of [rail.from, rail.to]) line(at(front, s, top), at(q, s), 1.2);
+    }
   }
 
   // What all boxes take up from start to end.

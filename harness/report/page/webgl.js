@@ -216,7 +216,6 @@ class WebglRenderer {
     };
     const edge = rgb(colours.edge);
     for (const box of picture.boxes) edges(box, box.kind === 'left_out' ? .8 : 1, edge, box.kind === 'left_out' ? .5 : .75);
-    for (const l of scene.fixtures()) line(l.a, l.b, l.width, l.width, l.colour);
     flush(2e-5);
     for (const l of picture.lines) if (l.casing) line(l.a, l.b, l.width + 1.8, l.width + 1.8, edge);
     flush(0);
