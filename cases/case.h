@@ -195,6 +195,7 @@ struct Expectation {
 
 struct Case {
   std::filesystem::path file;
+  std::string text;   // as of `case_text`: with all overrides in it
   std::string name;   // stem of the file
   std::string title;
   double duration = 0;  // [s]
@@ -221,6 +222,9 @@ struct Case {
 
 // Overrides are "key.path=value" as on the command line, applied before checking. Throws CaseError.
 Case load_case(const std::filesystem::path& file, const std::vector<std::string>& overrides = {});
+
+// From the text of a case, as if it stood in `file`. Throws CaseError.
+Case parse_case(const std::string& text, const std::filesystem::path& file);
 
 // The text of a case file that loads as this one does with these overrides. Throws CaseError.
 std::string case_text(const std::filesystem::path& file, const std::vector<std::string>& overrides = {});

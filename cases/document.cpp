@@ -231,9 +231,10 @@ std::string location(const std::filesystem::path& file, const Origin& origin) {
                                       : fmt::format("{}: override '{}'", file.string(), origin.override_text);
 }
 
-Node read_document(const std::filesystem::path& file) {
-  const Source source{file, ""};
-  Node root = parse(source, read_text(source));
+Node read_document(const std::filesystem::path& file) { return read_document(read_text({file, ""}), file); }
+
+Node read_document(const std::string& text, const std::filesystem::path& file) {
+  Node root = parse({file, ""}, text);
   if (root.kind == Node::Kind::nothing) throw CaseError(file.string() + ": empty, expected a case");
   return root;
 }

@@ -36,6 +36,8 @@ std::string location(const std::filesystem::path& file, const Origin& origin);
 // Reads a file that holds one YAML document. Throws CaseError for what is no such file: missing, a directory, too
 // large, empty, not text, ill-formed, nested too deeply, with duplicate keys, aliases, tags or keys that are not text.
 Node read_document(const std::filesystem::path& file);
+// The same from a text, as if it stood in `file`.
+Node read_document(const std::string& text, const std::filesystem::path& file);
 
 // The tree as YAML in one line a top-level key: reads back as the same tree, but for lines and overrides.
 std::string to_text(const Node& root);

@@ -183,13 +183,23 @@ std::string case_text(const std::filesystem::path& file, const std::vector<std::
   return to_text(effective_document(file, overrides));
 }
 
-Case load_case(const std::filesystem::path& file, const std::vector<std::string>& overrides) {
-  const Node root = effective_document(file, overrides);
+namespace {
+
+Case case_of(const Node& root, const std::filesystem::path& file) {
   Case result = read_case(Value(file, root));
   for (UnitSpec& unit : result.units) unit.file = file.parent_path() / unit.fmu;
   result.file = file;
+  result.text = to_text(root);
   result.name = file.stem().string();
   return result;
 }
+
+}  // namespace
+
+Case load_case(const std::filesystem::path& file, const std::vector<std::string>& overrides) {
+  return case_of(effective_document(file, overrides), file);
+}
+
+Case parse_case(const std::string& text, const std::filesystem::path& file) { return case_of(read_document(text, file), file); }
 
 }  // namespace quayside::cases

@@ -82,6 +82,7 @@ int main(int argc, char** argv) {
     harness::add_signals_command(app);
     harness::add_compare_command(app);
     harness::add_plot_command(app);
+    harness::add_report_command(app);
     harness::add_sweep_command(app, command);
     harness::add_frames_command(app);
     harness::add_impacts_command(app);

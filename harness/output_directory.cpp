@@ -1,5 +1,6 @@
 #include "harness/output_directory.h"
 
+#include <algorithm>
 #include <fstream>
 #include <stdexcept>
 #include <system_error>
@@ -35,6 +36,22 @@ void write_text(const fs::path& file, const std::string& text) {
   stream << text;
   stream.close();
   if (!stream) fail(file, "cannot be written");
+}
+
+nlohmann::ordered_json read_summary(const fs::path& directory) {
+  std::error_code error;
+  if (!fs::exists(directory, error)) fail(directory, "does not exist, expected the directory of a run");
+  if (!fs::is_directory(directory, error)) fail(directory, "is a file, expected the directory of a run");
+  const fs::path file = directory / kSummary;
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream) fail(directory, "holds no summary.json that can be read, expected the directory of a run");
+  const auto summary = nlohmann::ordered_json::parse(stream, nullptr, false);
+  if (!summary.is_object() || !summary.contains("case") || !summary["case"].is_object() || !summary.contains("engines") ||
+      !summary["engines"].is_object() || !summary.contains("scene") || !summary["scene"].contains("left_out"))
+    fail(file, "is not the summary of a run");
+  if (!summary["case"].contains("text") || !summary["case"]["text"].is_string())
+    fail(file, "does not tell the text of the case, as an earlier version wrote it; please run the case again");
+  return summary;
 }
 
 }  // namespace
@@ -89,6 +106,37 @@ StoredRun read_run(const fs::path& path) {
     for (EngineEvents& engine : read_events_csv(path / kEvents)) run.events[engine.engine] = std::move(engine.record);
   }
   return run;
+}
+
+StoredResult read_result(const fs::path& directory) {
+  StoredResult result;
+  result.summary = read_summary(directory);
+  const auto& about = result.summary["case"];
+  RunResult& run = result.run;
+  run.description = cases::parse_case(about["text"], about.value("file", ""));
+  // A scene in full has nothing left out, and one of which nothing could be left out is the same in full.
+  const bool full_scene = result.summary["scene"]["left_out"].empty();
+  run.scene = simulated_scene(run.description, full_scene, run.reduction);
+
+  StoredRun stored = read_run(directory);
+  for (const auto& [name, about_engine] : result.summary["engines"].items()) {
+    const auto trajectory = stored.trajectories.find(name);
+    if (trajectory == stored.trajectories.end()) fail(directory, fmt::format("{}{}{} is missing", kTrajectoryPrefix, name, kTrajectorySuffix));
+    EngineRun engine;
+    engine.engine = name;
+    engine.trajectory = std::move(trajectory->second);
+    const auto demand = [&, &names = engine.trajectory.names](const std::string& signal) {
+      if (std::find(names.begin(), names.end(), signal) == names.end())
+        fail(directory / (kTrajectoryPrefix + name + kTrajectorySuffix), fmt::format("lacks '{}', which the case has", signal));
+    };
+    for (const Variable& variable : engine_variables(run.scene))
+      if (variable.causality == Causality::output) demand(variable.name);
+    for (const crane_models::Drive& drive : run.scene.drives) demand(drive.name + ".value");
+    engine.events = std::move(stored.events[name].events);
+    engine.open_contacts = std::move(stored.events[name].open_contacts);
+    run.engines.push_back(std::move(engine));
+  }
+  return result;
 }
 
 }  // namespace quayside::harness

@@ -30,4 +30,14 @@ struct StoredRun {
 // std::runtime_error for what is neither.
 StoredRun read_run(const std::filesystem::path& path);
 
+// A run as its directory tells it: everything but the wall time and the integrator's steps of every output interval; of
+// energies and statistics only what stands in `summary`.
+struct StoredResult {
+  RunResult run;
+  nlohmann::ordered_json summary;
+};
+
+// Throws std::runtime_error for a directory that is none that a run wrote, and for files in it that do not fit together.
+StoredResult read_result(const std::filesystem::path& directory);
+
 }  // namespace quayside::harness

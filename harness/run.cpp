@@ -172,6 +172,19 @@ void check_engines(const std::vector<std::string>& engines) {
 
 }  // namespace
 
+crane_models::Scene simulated_scene(const cases::Case& description, bool full_scene, crane_models::ReductionReport& reduction) {
+  if (full_scene) {
+    crane_models::Scene scene = build_scene(description);
+    reduction = nothing_reduced(scene);
+    return scene;
+  }
+  LeftOut left_out;
+  const crane_models::Scene whole = build_scene(description, left_out);
+  crane_models::Scene scene = crane_models::reduce(whole, use_of(whole, description), reduction);
+  left_out.add_to(reduction);
+  return scene;
+}
+
 // All engines pass the same communication points, one after another: multiples of the output interval and the end. Each point
 // is rounded to nanoseconds from its number, never reached by adding intervals up.
 RunResult run_case(const cases::Case& description, const RunOptions& options, const EngineFactory& factory) {
@@ -183,16 +196,7 @@ RunResult run_case(const cases::Case& description, const RunOptions& options, co
 
   RunResult result;
   result.description = description;
-  if (options.full_scene) {
-    result.scene = build_scene(description);
-    result.reduction = nothing_reduced(result.scene);
-  } else {
-    LeftOut left_out;
-    result.scene = build_scene(description, left_out);
-    const crane_models::ScriptUse use = use_of(result.scene, description);
-    result.scene = crane_models::reduce(result.scene, use, result.reduction);
-    left_out.add_to(result.reduction);
-  }
+  result.scene = simulated_scene(description, options.full_scene, result.reduction);
 
   const DriveUnit drives("drives", description, result.scene);
   std::vector<std::unique_ptr<Chain>> chains;  // a master refers to the units beside it: chains stay where they are

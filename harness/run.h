@@ -55,6 +55,9 @@ struct RunResult {
   bool interrupted = false;
 };
 
+// The scene of a case as a run simulates it: in full, or reduced to what its script needs. Throws what building throws.
+crane_models::Scene simulated_scene(const cases::Case& description, bool full_scene, crane_models::ReductionReport& reduction);
+
 // Makes the unit of one engine; `make_engine` is the one that knows them all.
 using EngineFactory = std::function<std::unique_ptr<EngineUnit>(
     const std::string& engine, const crane_models::Scene& scene, const contact_nn::ContactSettings& contact,

@@ -23,7 +23,8 @@ Json case_json(const cases::Case& description) {
           {"title", description.title},
           {"file", description.file.string()},
           {"duration", description.duration},
-          {"output_interval", description.output_interval}};
+          {"output_interval", description.output_interval},
+          {"text", description.text}};
 }
 
 Json scene_json(const RunResult& run) {

@@ -24,6 +24,7 @@ void add_validate_command(CLI::App& app, const std::string& command_line);
 void add_signals_command(CLI::App& app);
 void add_compare_command(CLI::App& app);
 void add_plot_command(CLI::App& app);
+void add_report_command(CLI::App& app);
 void add_sweep_command(CLI::App& app, const std::string& command_line);
 void add_frames_command(CLI::App& app);
 void add_impacts_command(CLI::App& app);

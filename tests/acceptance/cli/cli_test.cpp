@@ -60,7 +60,7 @@ TEST_F(CommandLine, HelpTeachesWithExamples) {
   EXPECT_EQ(top.exit_code, 0);
   for (const char* command : {"run", "validate", "signals", "compare", "contact"})
     EXPECT_NE(top.out.find(std::string("\n  ") + command), std::string::npos) << command;
-  for (const char* command : {"run", "validate", "signals", "compare"}) {
+  for (const char* command : {"run", "report", "validate", "signals", "compare"}) {
     const Outcome help = run({command, "--help"});
     EXPECT_EQ(help.exit_code, 0);
     EXPECT_NE(help.out.find("Examples:\n  quayside " + std::string(command)), std::string::npos) << help.out;
@@ -324,6 +324,57 @@ TEST_F(CommandLine, CompareRefusesWhatCannotBeCompared) {
                  "no time in common");
   expect_refused(run({"compare", out, out, "--engine", "mujoco"}), "nothing to compare");
   expect_refused(run({"compare", out, out, "--signal", "box.positon"}), "box.position");
+}
+
+// What a report's page is made of.
+json page_data(const fs::path& report) {
+  const std::string html = read(report), begin = "<script type=\"application/json\" id=\"data\">";
+  const std::size_t from = html.find(begin) + begin.size();
+  return json::parse(html.substr(from, html.find("</script>", from) - from));
+}
+
+TEST_F(CommandLine, ReportIsMadeAgainFromTheDirectory) {
+  ASSERT_EQ(run_box({"--engine", "simbody,mujoco", "--set", "duration=0.2", "--set", "expect=[]"}).exit_code, 0);
+  const json first = page_data(out_ / "report.html");
+  fs::remove(out_ / "report.html");
+  const Outcome outcome = run({"report", out_.string()});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_EQ(outcome.out, (out_ / "report.html").string() + "\n");
+  const json again = page_data(out_ / "report.html");
+  for (const char* part : {"summary", "scene", "events"}) EXPECT_EQ(again.at(part), first.at(part)) << part;
+  // Curves come one after another; the last two of each engine, wall time and mean step, stand in no file.
+  for (const char* engine : {"simbody", "mujoco"}) {
+    const json &now = again.at("curves").at("engines").at(engine), &then = first.at("curves").at("engines").at(engine);
+    const std::size_t count = now.at("names").size();
+    ASSERT_EQ(then.at("names").size(), count + 2);
+    EXPECT_EQ(then.at("names").at(count), "solver.wall_time");
+    EXPECT_EQ(then.at("names").at(count + 1), "solver.mean_step");
+    for (std::size_t i = 0; i < count; ++i)
+      for (const char* part : {"names", "units", "counts"}) EXPECT_EQ(now.at(part).at(i), then.at(part).at(i));
+    std::string data = now.at("data");
+    data.resize(data.size() - 4);  // the last group of base64 also holds what follows
+    EXPECT_EQ(then.at("data").get<std::string>().compare(0, data.size(), data), 0);
+  }
+}
+
+TEST_F(CommandLine, ReportRefusesWhatIsNoRun) {
+  expect_refused(run({"report", (directory_.path() / "nowhere").string()}), "does not exist");
+  expect_refused(run({"report", box_}), "is a file");
+  expect_refused(run({"report", directory_.path().string()}), "holds no summary.json");
+  ASSERT_EQ(run_box().exit_code, 0);
+  const std::string summary = read(out_ / "summary.json");
+  const auto with = [&](const std::string& text) { std::ofstream(out_ / "summary.json") << text; };
+  with(summary.substr(0, summary.size() / 2));
+  expect_refused(run({"report", out_.string()}), "is not the summary of a run");
+  json old = json::parse(summary);
+  old.at("case").erase("text");
+  with(old.dump());
+  expect_refused(run({"report", out_.string()}), "please run the case again");
+  with(summary);
+  std::ofstream(out_ / "trajectory_simbody.csv") << "time [s],box.position.x [m]\n0,0\n";
+  expect_refused(run({"report", out_.string()}), "lacks 'box.position.y'");
+  fs::remove(out_ / "trajectory_simbody.csv");
+  expect_refused(run({"report", out_.string()}), "trajectory_");
 }
 
 TEST_F(CommandLine, ValidateGivesALinePerCaseAndTheWorstExitCode) {
