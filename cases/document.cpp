@@ -15,6 +15,7 @@
 #include <yaml-cpp/parser.h>
 
 #include "cases/case.h"
+#include "cases/edit_distance.h"
 #include "cases/limits.h"
 
 namespace quayside::cases {
@@ -175,10 +176,30 @@ Node parse(const Source& source, const std::string& text) {
   }
 }
 
+// " (did you mean 'cases/land_on_stack.yaml'?)" for a name that is nearly that of a case in its folder or in `cases`, with or
+// without its ending; else nothing.
+std::string nearly(const std::filesystem::path& file) {
+  namespace fs = std::filesystem;
+  const std::string wanted = file.stem().string();
+  std::size_t nearest = 2 + wanted.size() / 3;  // so many letters off is another name
+  fs::path found;
+  for (const fs::path& folder : {file.has_parent_path() ? file.parent_path() : fs::path("."), fs::path("cases")}) {
+    std::error_code none;
+    for (fs::directory_iterator entry(folder, none), end; !none && entry != end; entry.increment(none)) {
+      if (entry->path().extension() != ".yaml") continue;
+      const std::size_t distance = edit_distance(wanted, entry->path().stem().string());
+      if (distance >= nearest) continue;
+      nearest = distance;
+      found = entry->path().lexically_normal();
+    }
+  }
+  return found.empty() ? "" : fmt::format(" (did you mean '{}'?)", found.string());
+}
+
 std::string read_text(const Source& source) {
   const auto refuse = [&](const std::string& message) { throw CaseError(source.file.string() + ": " + message); };
   std::error_code ignored;
-  if (!std::filesystem::exists(source.file, ignored)) refuse("no such file, expected a case file (YAML)");
+  if (!std::filesystem::exists(source.file, ignored)) refuse(fmt::format("no such file{}, expected a case file (YAML)", nearly(source.file)));
   if (std::filesystem::is_directory(source.file, ignored)) refuse("a directory, expected a case file (YAML)");
   errno = 0;
   std::ifstream stream(source.file, std::ios::binary);

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "harness/commands/case_options.h"
 #include "harness/commands/commands.h"
 #include "harness/compare.h"
 #include "harness/run.h"
@@ -73,11 +74,7 @@ std::string row(const fs::path& file) {
 }
 
 void TableCommand::execute() const {
-  std::vector<fs::path> files;
-  for (const auto& entry : fs::directory_iterator(directory)) {
-    if (entry.path().extension() == ".yaml") files.push_back(entry.path());
-  }
-  std::sort(files.begin(), files.end());
+  const std::vector<fs::path> files = case_files({directory});
   std::string table =
       "| case | what it shows | bodies | degrees of freedom | contact pairs | simulated [s] | took [s] | full [s] | "
       "full scene apart [m] | same law apart [m] | MuJoCo apart [m] |\n"

@@ -265,7 +265,8 @@ void ValidateCommand::execute() const {
     fmt::print("]\n");
   }
   if (Interrupt::signal() != 0) {
-    fmt::print(stderr, "quayside: stopped by signal {}\n", Interrupt::signal());
+    fmt::print(stderr, "quayside: stopped by signal {}{}\n", Interrupt::signal(),
+               out.empty() ? "" : "; what was simulated up to then is in " + out);
     throw CLI::RuntimeError(stopped_by_signal + Interrupt::signal());
   }
   for (const int code : {static_cast<int>(input_refused), static_cast<int>(not_completed), static_cast<int>(expectation_failed)}) {

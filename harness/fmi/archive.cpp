@@ -74,7 +74,7 @@ void write_archive(const fs::path& path, const std::vector<ArchiveEntry>& entrie
     zip_set_file_compression(archive.get(), static_cast<zip_uint64_t>(index), ZIP_CM_DEFLATE, kCompression);
     zip_file_set_mtime(archive.get(), static_cast<zip_uint64_t>(index), kFileTime, 0);
   }
-  demand(zip_close(archive.get()) == 0, "closing");
+  demand(zip_close(archive.get()) == 0, "cannot be written");
   archive.release();
 }
 

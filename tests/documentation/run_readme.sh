@@ -1,6 +1,6 @@
 #!/bin/sh
 # Runs the commands of README.md, in their order, in a folder that holds what they read: the cases and the responses to
-# impacts. Those that take long say so in their comment ("minutes"), and are left out.
+# impacts, after the copies (`cp`) that it shows. Those that take long say so in their comment ("minutes"), and are left out.
 #
 #   run_readme.sh PROGRAM SOURCE_TREE
 set -eu
@@ -11,6 +11,7 @@ cp -r "$source/cases" "$place/cases"
 mkdir -p "$place/tests/regression"
 cp "$source/tests/regression/impacts.csv" "$place/tests/regression/"
 cd "$place"
+grep -E '^    cp ' "$source/README.md" | sed 's/ *#.*//' | sh -e
 grep -v minutes "$source/README.md" | awk -f "$here/shown_commands.awk" | grep -vE '^(test|package)' >commands
 while IFS= read -r command; do
   echo "quayside $command"

@@ -207,7 +207,10 @@ TEST_F(CommandLine, MistakesOnTheCommandLineAreRefused) {
 
 TEST_F(CommandLine, FilesThatAreNoCasesAreRefused) {
   for (const char* command : {"run", "signals"}) {
-    expect_refused(run({command, "nowhere.yaml"}), "nowhere.yaml: no such file");
+    expect_refused(run({command, "nowhere.yaml"}), "nowhere.yaml: no such file, expected a case file");
+    // A name that is nearly right, with a wrong ending or none, beside it or in the folder `cases`.
+    expect_refused(run({command, directory_.path().string() + "/bx.yml"}), "did you mean '" + box_ + "'?");
+    expect_refused(run({command, "land_on_stak"}), "did you mean 'cases/land_on_stack.yaml'?");
     expect_refused(run({command, directory_.path().string()}), "a directory");
     expect_refused(run({command, ""}), "expected a case file");
     expect_refused(run({command, std::string(5000, 'x')}), "expected a case file");
