@@ -282,7 +282,7 @@ class SweepReport(Report):
 
     def test_names_points_and_shows_failures_first(self):
         with open(self.file().replace('.html', '.csv'), newline='') as stream:
-            table = list(csv.DictReader(stream))
+            table = [row for row in csv.DictReader(stream) if row['front'] != 'reference']
         failed = [row for row in table if row['failure']]
         self.assertTrue(failed)
         self.assertEqual(len(self.browser.evaluate(column('#points', 0))), len(table))

@@ -151,10 +151,11 @@ class SceneView {
     const at = (q, s, up = -drop) => transform(X, add(add(rail.p, scale(rail.axis, q)), add(scale(side, s * gauge), [0, 0, up])));
     const line = (a, b, width) => lines.push({a, b, width, colour});
     for (const s of [-1, 1]) line(at(rail.from, s), at(rail.to, s), 3);
+    const stance = rail.boom ? 9 / gauge : 1;  // containers pass between the legs behind a boom [m]
     for (const q of rail.legs) {
-      line(at(q, -1), at(q, 1), 2);
+      line(at(q, -stance), at(q, stance), 2);
       if (this.ground)
-        for (const s of [-1, 1]) line(at(q, s), [...at(q, s).slice(0, 2), this.ground.p[2] + this.ground.half[2]], 3);
+        for (const s of [-stance, stance]) line(at(q, s), [...at(q, s).slice(0, 2), this.ground.p[2] + this.ground.half[2]], 2);
     }
     if (!rail.boom) return;
     const [front] = rail.legs, top = .3 * (rail.to - rail.from);
