@@ -124,6 +124,7 @@ struct ContactSpec {  // see contact_nn::ContactSettings
   double restitution = 0.3;
   double reference_speed = 0.5;
   double friction = 0.4;
+  std::string friction_law = "regularised";
   double transition_speed = 1e-3;
   std::string network;
 };

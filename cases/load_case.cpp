@@ -25,8 +25,9 @@ ContactSpec read_contact(const Value& value) {
   mapping.number("reference_speed", kReferenceSpeed, contact.reference_speed);
   if (const auto friction = mapping.find("friction")) {
     if (friction->is_mapping()) {
-      const Mapping law = friction->mapping({"coefficient", "transition_speed"});
+      const Mapping law = friction->mapping({"coefficient", "law", "transition_speed"});
       contact.friction = law["coefficient"].number(kFriction);
+      if (const auto name = law.find("law")) contact.friction_law = name->word({"regularised", "bristle"});
       law.number("transition_speed", kTransitionSpeed, contact.transition_speed);
     } else {
       contact.friction = friction->number(kFriction);

@@ -58,6 +58,9 @@ struct ContactForce {
   double normal_force = 0;      // sum of the pressures, elastic and damping [N]
   double potential_energy = 0;  // stored elastically [J]
   double dissipated_power = 0;  // taken by damping and friction [W], never negative
+  // Polar moment of the elastic pressure over its sum, about the force through the impact point [m²]: what friction that
+  // sticks needs to know of torsion, and only given for it.
+  double pressure_radius2 = 0;
 };
 
 // `potential`: p-norm potential over the overlapping surfaces, force and torque its gradient.
@@ -71,6 +74,11 @@ enum class Law { potential, points, pads, learned };
 // on what it names, checked.
 enum class Model { exact, committee };
 
+// `regularised`: grows with sliding until it is Coulomb's, a function of pose and motion; creeps under a steady load.
+// `bristle`: sticks as a spring up to Coulomb's limit, without creep, and has a state for that (bristle.h). A module made for
+// it leaves friction to `BristleFriction`.
+enum class Friction { regularised, bristle };
+
 struct ContactSettings {
   Model model = Model::committee;
   Law law = Law::potential;
@@ -78,7 +86,8 @@ struct ContactSettings {
   double restitution = 0.3;       // rebound over approach speed at `reference_speed`, in (0, 1]; 1: elastic
   double reference_speed = 0.5;   // [m/s]
   double friction = 0.4;          // Coulomb coefficient
-  double transition_speed = 1e-3; // below it friction grows linearly with sliding [m/s]
+  Friction friction_law = Friction::regularised;
+  double transition_speed = 1e-3; // below it regularised friction grows linearly with sliding [m/s]
   std::string network;            // ONNX file of the gate; empty: the one that ships
 };
 

@@ -28,7 +28,8 @@ LawParameters law_parameters(const ContactSettings& s) {
   demand(std::isfinite(s.friction) && s.friction >= 0, "friction", s.friction, "zero or more, and finite");
   demand(std::isfinite(s.transition_speed) && s.transition_speed > 0, "transition_speed", s.transition_speed,
          "positive and finite [m/s]");
-  return {s.stiffness, damping_for(s.restitution, s.reference_speed), s.friction, s.transition_speed};
+  const bool bristle = s.friction_law == Friction::bristle;
+  return {s.stiffness, damping_for(s.restitution, s.reference_speed), bristle ? 0 : s.friction, s.transition_speed, bristle};
 }
 
 }  // namespace quayside::contact_nn

@@ -416,6 +416,7 @@ class LearnedModuleOf final : public LearnedModule {
     f.t_A = w.torque + c.cross(force - w.force) + couple;
     f.impact_point_A = c;
     f.normal_force = pressed;
+    if (parameters_.pressure_radius) f.pressure_radius2 = rx2 + ry2;
   }
 
   // In the seam.
@@ -436,6 +437,7 @@ class LearnedModuleOf final : public LearnedModule {
     f.impact_point_A = w * net.impact_point_A + (1 - w) * exact.impact_point_A;
     f.normal_force = w * net.normal_force + (1 - w) * exact.normal_force;
     f.dissipated_power = w * net.dissipated_power + (1 - w) * exact.dissipated_power;
+    f.pressure_radius2 = w * net.pressure_radius2 + (1 - w) * exact.pressure_radius2;
     return f;
   }
 

@@ -32,7 +32,15 @@ ContactForce points_force(const Manifold& manifold, const Pose& X_AB, const Rela
     centre += elastic * point.p_A;
     elastic_load += elastic;
   }
-  if (result.touching) result.impact_point_A = centre / elastic_load;
+  if (!result.touching) return result;
+  result.impact_point_A = centre / elastic_load;
+  if (!law.pressure_radius) return result;
+  for (int i = 0; i < manifold.count; ++i) {
+    const ManifoldPoint& point = manifold.points[i];
+    if (point.depth <= 0) continue;
+    const double share = law.stiffness / manifold.count * point.depth / elastic_load;
+    result.pressure_radius2 += share * n.cross(point.p_A - result.impact_point_A).squaredNorm();
+  }
   return result;
 }
 

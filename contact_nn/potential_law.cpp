@@ -152,6 +152,22 @@ Pressure damped_pressure(const EightPieces& pieces, double unit, const Moments& 
   return result;
 }
 
+// Polar moment of the elastic pressure about the axis n through c, over its sum.
+double polar_moment(const Pieces& pieces, const AllMoments& moments, const Places& places, const Vector3d& n, const Vector3d& c) {
+  const Vectors axis(n), back(Vector3d(-c));
+  const auto across = [&](const Vectors& x) { return x + -dot(x, axis) * axis; };
+  Eight polar{}, load{};
+  for (int i = 0; i < pieces.eights(); ++i) {
+    const Moments& w = moments[i];
+    const Placed piece = places.place(pieces, i);
+    const Vectors d = across(piece.first + back), u = across(piece.along_u), v = across(piece.along_v);
+    polar += w.one * dot(d, d) + w.uu * dot(u, u) + w.vv * dot(v, v) +
+             2 * (w.u * dot(d, u) + w.v * dot(d, v) + w.uv * dot(u, v));
+    load += w.one;
+  }
+  return std::max(0.0, sum(polar) / sum(load));
+}
+
 }  // namespace
 
 // Force and torque of a piece with outward normal n of Y's face i are σ M₀ n and σ M₁ × n on X, with
@@ -224,6 +240,9 @@ ContactForce potential_force(const Box& a, const Box& b, const Pose& X_AB, const
   result.dissipated_power = total[7];
   const Vector3d moment(sum(elastic_moment.x), sum(elastic_moment.y), sum(elastic_moment.z));
   result.impact_point_A = moment / sum(elastic);
+  if (const double f = result.f_A.norm(); law.pressure_radius && f > 0) {
+    result.pressure_radius2 = polar_moment(pieces, moments, places, result.f_A / f, result.impact_point_A);
+  }
   return result;
 }
 

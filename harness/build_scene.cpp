@@ -305,6 +305,7 @@ contact_nn::ContactSettings contact_settings(const cases::ContactSpec& spec) {
   settings.restitution = spec.restitution;
   settings.reference_speed = spec.reference_speed;
   settings.friction = spec.friction;
+  settings.friction_law = spec.friction_law == "bristle" ? contact_nn::Friction::bristle : contact_nn::Friction::regularised;
   settings.transition_speed = spec.transition_speed;
   settings.network = spec.network;
   return settings;

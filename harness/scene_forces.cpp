@@ -52,8 +52,9 @@ const BodyMotion& motion_of(int body, const std::vector<BodyMotion>& bodies) {
 
 }  // namespace
 
-SceneForces::SceneForces(const crane_models::Scene& scene, std::shared_ptr<const contact_nn::ContactModule> contact)
-    : scene_(scene), contact_(std::move(contact)) {
+SceneForces::SceneForces(const crane_models::Scene& scene, std::shared_ptr<const contact_nn::ContactModule> contact,
+                         std::optional<contact_nn::BristleFriction> bristle)
+    : scene_(scene), contact_(std::move(contact)), bristle_(bristle) {
   for (const crane_models::ContactPair& p : scene.pairs) {
     const crane_models::Body& a = scene.bodies[p.body_a];
     const crane_models::Body& b = scene.bodies[p.body_b];
@@ -87,6 +88,7 @@ SceneLoads SceneForces::make_loads() const {
   loads.bodies.resize(scene_.bodies.size());
   loads.ropes.resize(scene_.ropes.size());
   loads.pairs.resize(pairs_.size());
+  if (bristle_) loads.bristles = loads.bristle_rates = {pairs_.size(), contact_nn::Bristle::Zero()};
   return loads;
 }
 
@@ -210,7 +212,9 @@ void SceneForces::add_contact(std::size_t index, const std::vector<BodyMotion>& 
   const Pair& pair = pairs_[index];
   PairLoad& load = loads.pairs[index];
   load = PairLoad{};
-  if (distance_bound(pair, bodies) > 0) return;
+  const bool apart = distance_bound(pair, bodies) > 0;
+  if (bristle_) loads.bristle_rates[index].setZero();
+  if (apart && (!bristle_ || (loads.bristles[index].array() == 0).all())) return;
 
   const BodyMotion& a = bodies[pair.body_a];
   const BodyMotion& b = bodies[pair.body_b];
@@ -219,7 +223,11 @@ void SceneForces::add_contact(std::size_t index, const std::vector<BodyMotion>& 
   // The velocity of b's centre against the point of a that is there now, so that it is seen from a's frame as it turns.
   const contact_nn::RelativeVelocity V_AB{R_WGa.transpose() * (b.w_WB - a.w_WB),
                                           R_WGa.transpose() * (velocity_at(b, p_WGb) - velocity_at(a, p_WGb))};
-  load.contact = contact_->force(pair.a, pair.b, relative_pose(pair, bodies), V_AB, counters);
+  const Pose X_AB = relative_pose(pair, bodies);
+  if (!apart) load.contact = contact_->force(pair.a, pair.b, X_AB, V_AB, counters);
+  if (bristle_) loads.bristle_rates[index] = bristle_->add(loads.bristles[index], X_AB, V_AB, load.contact);
+  loads.potential_energy += load.contact.potential_energy;  // that of a bristle outlasts its contact
+  loads.dissipated_power += load.contact.dissipated_power;
   if (!load.contact.touching) return;
 
   const Vector3d p_WGa = a.X_WB * pair.X_BGa.translation();
@@ -232,20 +240,18 @@ void SceneForces::add_contact(std::size_t index, const std::vector<BodyMotion>& 
   add_force(b, load.f_W, p_WGa, loads.bodies[pair.body_b]);
   loads.bodies[pair.body_a].t_W -= t_W;
   loads.bodies[pair.body_b].t_W += t_W;
-  loads.potential_energy += load.contact.potential_energy;
-  loads.dissipated_power += load.contact.dissipated_power;
 }
 
 void SceneForces::add_held_contact(std::size_t index, const std::vector<BodyMotion>& bodies, SceneLoads& loads) const {
   const Pair& pair = pairs_[index];
   const PairLoad& load = loads.pairs[index];
+  loads.potential_energy += load.contact.potential_energy;
+  loads.dissipated_power += load.contact.dissipated_power;
   if (!load.contact.touching) return;
   add_force(bodies[pair.body_a], -load.f_W, load.p_W, loads.bodies[pair.body_a]);
   add_force(bodies[pair.body_b], load.f_W, load.p_W, loads.bodies[pair.body_b]);
   loads.bodies[pair.body_a].t_W -= load.t_W;
   loads.bodies[pair.body_b].t_W += load.t_W;
-  loads.potential_energy += load.contact.potential_energy;
-  loads.dissipated_power += load.contact.dissipated_power;
 }
 
 double SceneForces::lock_energy(int index, const std::vector<BodyMotion>& bodies) const {

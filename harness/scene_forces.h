@@ -3,8 +3,10 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
+#include "contact_nn/bristle.h"
 #include "contact_nn/contact.h"
 #include "crane_models/scene.h"
 
@@ -43,12 +45,17 @@ struct SceneLoads {
   // Contacts stay what they were at the last evaluation: the same forces at the same places in the world, so that momentum is
   // kept all the same.
   bool contacts_held = false;
+
+  // Where friction sticks, one per pair, else none: what the engine says before an evaluation, and d/dt of it after.
+  std::vector<contact_nn::Bristle> bristles, bristle_rates;
 };
 
 class SceneForces {
  public:
   // The scene must outlive this object.
-  SceneForces(const crane_models::Scene& scene, std::shared_ptr<const contact_nn::ContactModule> contact);
+  // With `bristle` the loads have states that the engine integrates; `contact` then leaves friction to it.
+  SceneForces(const crane_models::Scene& scene, std::shared_ptr<const contact_nn::ContactModule> contact,
+              std::optional<contact_nn::BristleFriction> bristle = {});
 
   SceneLoads make_loads() const;
 
@@ -113,6 +120,7 @@ class SceneForces {
 
   const crane_models::Scene& scene_;
   std::shared_ptr<const contact_nn::ContactModule> contact_;
+  std::optional<contact_nn::BristleFriction> bristle_;
   std::vector<Pair> pairs_;                             // as in Scene::pairs
   std::vector<std::vector<SwitchTerm>> switch_terms_;   // as in Scene::landed_switches
 };

@@ -47,6 +47,7 @@ Json contact_json(const cases::ContactSpec& contact) {
           {"restitution", contact.restitution},
           {"reference_speed", contact.reference_speed},
           {"friction", contact.friction},
+          {"friction_law", contact.friction_law},
           {"transition_speed", contact.transition_speed},
           {"network", contact.network}};
 }

@@ -21,8 +21,8 @@ int integrator(const std::string& name) {
 
 Engine::Engine(std::string name, const crane_models::Scene& scene, const contact_nn::ContactSettings& contact,
                const SolverSettings& solver, std::shared_ptr<const contact_nn::ContactModule> laws,
-               const std::string& mjcf)
-    : SceneEngine(std::move(name), scene, solver), forces_(scene_, std::move(laws)), model_(scene_, mjcf),
+               const std::string& mjcf, std::optional<contact_nn::BristleFriction> bristle)
+    : SceneEngine(std::move(name), scene, solver), forces_(scene_, std::move(laws), bristle), model_(scene_, mjcf),
       drives_now_(scene_.drives.size()), motions_(scene_.bodies.size()), loads_(forces_.make_loads()),
       rates_(integrals_.size()), step_limit_(scene_, contact, solver), reactions_(model_.driven_joints().size()) {
   model_.model()->opt.integrator = integrator(solver.mujoco_integrator);
@@ -142,6 +142,7 @@ void Engine::take_step(Time step) {
     integrals_[kWorkIn] += 0.5 * (motion.rate + rate_then) * joint.armature * (rate_then - d->qvel[joint.dof]);
   }
   time_ += step;
+  finish_stages(h, point_.rates);
   evaluate();
   for (std::size_t i = 0; i < reactions_.size(); ++i) {
     const double acceleration = drive(model_.driven_joints()[i].drive, -0.5 * h).acceleration;

@@ -21,13 +21,16 @@ class Engine : public SceneEngine {
   EngineStatistics statistics() const override { return statistics_; }
 
  protected:
-  // `laws`: what `SceneForces` needs; `mjcf`: see to_mjcf.
+  // `laws` and `bristle`: what `SceneForces` needs; `mjcf`: see to_mjcf.
   Engine(std::string name, const crane_models::Scene& scene, const contact_nn::ContactSettings& contact,
-         const SolverSettings& solver, std::shared_ptr<const contact_nn::ContactModule> laws, const std::string& mjcf);
+         const SolverSettings& solver, std::shared_ptr<const contact_nn::ContactModule> laws, const std::string& mjcf,
+         std::optional<contact_nn::BristleFriction> bristle = {});
 
   // Before an evaluation at `time_` and before the stages of a step of `h` seconds from there.
   virtual void prepare_evaluation() {}
   virtual void prepare_stages(double h) {}
+  // After the stages of a step of `h` seconds, before the evaluation at its end: what that needs of `integrals_`.
+  virtual void finish_stages(double h, const std::vector<double>& rates_at_begin) {}
   // After an evaluation: `loads_` and `rates_`.
   virtual void read_loads() {}
   // After the stages of a step of `h` seconds and the evaluation at its end: adds ∫ rates dt to `integrals_`.

@@ -43,7 +43,7 @@ double flat_stiffness(const crane_models::Scene& scene, const crane_models::Cont
 
 StepLimit::StepLimit(const crane_models::Scene& scene, const contact_nn::ContactSettings& contact,
                      const SolverSettings& solver)
-    : scene_(scene), contact_(contact), fixed_(solver.mujoco_step),
+    : scene_(scene), contact_(contact), bristle_(contact_nn::bristle_friction(contact)), fixed_(solver.mujoco_step),
       max_step_(solver.max_step > 0 ? std::min(solver.max_step, kLongestStep) : kLongestStep),
       phase_(std::clamp(std::pow(120 * solver.relative_tolerance, 0.25), kLeastPhase, kMostPhase)),
       lock_phase_(std::min(kLockPhaseOverPhase * phase_, kMostPhase)),
@@ -84,7 +84,9 @@ double StepLimit::contact_step(const std::vector<BodyMotion>& bodies, const Scen
       spring_[pair.body_a] += stiffness;
       spring_[pair.body_b] += stiffness;
     }
-    if (contact_.friction > 0) {
+    if (bristle_) {  // its spring is softer than the normal one
+      step = std::min(step, kDamperPhase / (kModeFactor * bristle_->damping() * inverse));
+    } else if (contact_.friction > 0) {
       // (μ/(m v_t)) (N + K v h) h = 1 for the step h.
       const BodyMotion &a = bodies[pair.body_a], &b = bodies[pair.body_b];
       const double speed = (b.v_WB - a.v_WB).norm();

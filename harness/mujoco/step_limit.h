@@ -21,6 +21,7 @@ double flat_stiffness(const crane_models::Scene& scene, const crane_models::Cont
 //   locks             three times that     their vibrations are small and die soon
 //   dampers           λ h ≤ 1              RK4 is stable up to 2.78
 //   friction          λ h ≤ 2, λ = μ N/(m v_t), N the normal force at the end of the step at the present approach
+//                     where it sticks: λ h ≤ 1, λ = σ/m, σ the damping of its bristle
 //   rotation          |ω|³ h² ≤ 12 ε       MuJoCo's RK4 is of order two in the rotation of bodies that tumble
 //   flight            no pair that is apart sinks deeper than `kDepthOfArrival` (but no less than the contact step)
 //
@@ -40,6 +41,7 @@ class StepLimit {
 
   const crane_models::Scene& scene_;
   contact_nn::ContactSettings contact_;
+  std::optional<contact_nn::BristleFriction> bristle_;
   double fixed_, max_step_;
   double phase_, lock_phase_, rotation_;
   double gravity_;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <numeric>
 
 #include <Simbody.h>
 
@@ -130,9 +131,10 @@ struct MultibodyModel::Simbody {
 };
 
 MultibodyModel::MultibodyModel(const crane_models::Scene& scene,
-                               std::shared_ptr<const contact_nn::ContactModule> contact)
+                               std::shared_ptr<const contact_nn::ContactModule> contact,
+                               std::optional<contact_nn::BristleFriction> bristle)
     : scene_(scene),
-      forces_(scene, std::move(contact)),
+      forces_(scene, std::move(contact), bristle),
       drives_(scene.drives.size()),
       drive_now_(scene.drives.size()),
       motions_(scene.bodies.size()),
@@ -197,6 +199,8 @@ MultibodyModel::MultibodyModel(const crane_models::Scene& scene,
       quantities_.push_back(linear ? Quantity::velocity : Quantity::angular_velocity);
     }
   }
+  quantities_.resize(quantities_.size() + contact_nn::Bristle::SizeAtCompileTime * loads_.bristles.size(),
+                     Quantity::deflection);
   find_blocks();
   find_free_bodies();
 }
@@ -252,6 +256,7 @@ void MultibodyModel::start(double t, double* y) {
   std::size_t i = 0;
   for (const int q : s.y_to_q) y[i++] = s.state.getQ()[q];
   for (const int u : s.y_to_u) y[i++] = s.state.getU()[u];
+  std::fill(y + i, y + quantities_.size(), 0.0);
 }
 
 void MultibodyModel::evaluate(double t, const double* y) {
@@ -282,6 +287,7 @@ void MultibodyModel::evaluate(double t, const double* y) {
     const SimTK::SpatialVec& V_WB = body.getBodyVelocity(s.state);
     motions_[i] = {to_eigen(body.getBodyTransform(s.state)), to_eigen(V_WB[1]), to_eigen(V_WB[0])};
   }
+  read_bristles(y, loads_);
   forces_.evaluate(motions_, drive_now_, locks_closed_, loads_, contact_counters);
 
   joint_dissipation_ = 0;
@@ -300,12 +306,30 @@ void MultibodyModel::derivative(double t, const double* y, double* y_dot) {
   const SimTK::Vector& u_dot = s.state.getUDot();
   for (const int q : s.y_to_q) *y_dot++ = q_dot[q];
   for (const int u : s.y_to_u) *y_dot++ = u_dot[u];
+  for (const contact_nn::Bristle& rate : loads_.bristle_rates) y_dot = std::copy(rate.begin(), rate.end(), y_dot);
+}
+
+int MultibodyModel::first_bristle() const {
+  return size() - contact_nn::Bristle::SizeAtCompileTime * static_cast<int>(loads_.bristles.size());
+}
+
+void MultibodyModel::read_bristles(const double* y, SceneLoads& loads) const {
+  y += first_bristle();
+  for (contact_nn::Bristle& z : loads.bristles) {
+    z = contact_nn::Bristle::Map(y);
+    y += z.size();
+  }
 }
 
 // Parents stand before their children.
 void MultibodyModel::find_blocks() {
   const Simbody& s = *simbody_;
   block_of_body_.assign(scene_.bodies.size(), -1);
+  constexpr int kBristle = contact_nn::Bristle::SizeAtCompileTime;
+  for (int at = first_bristle(); at < size(); at += kBristle) {
+    std::vector<int>& block = blocks_.emplace_back(kBristle);
+    std::iota(block.begin(), block.end(), at);
+  }
   std::size_t slot = 0;
   int q = 0, u = static_cast<int>(s.y_to_q.size());
   for (std::size_t body = 0; body < scene_.bodies.size(); ++body) {
@@ -342,7 +366,7 @@ void MultibodyModel::find_free_bodies() {
       return;
     }
     const SimTK::Transform X_WF = s.matter.getMobilizedBody(s.bodies[slot.body]).getDefaultInboardFrame();
-    free_bodies_.push_back({slot.body, to_eigen(X_WF), body.I_BBcm_B.inverse()});
+    free_bodies_.push_back({slot.body, block, to_eigen(X_WF), body.I_BBcm_B.inverse()});
   }
 }
 
@@ -352,9 +376,10 @@ void MultibodyModel::free_derivative(const double* y, double* y_dot) {
   ++evaluations;
   for (std::size_t k = 0; k < free_bodies_.size(); ++k) {
     const FreeBody& free = free_bodies_[k];
+    const std::vector<int>& block = blocks_[free.block];
     const Body& body = scene_.bodies[free.body];
-    const double* q = y + blocks_[k][0];
-    const double* u = y + blocks_[k][7];
+    const double* q = y + block[0];
+    const double* u = y + block[7];
     const Eigen::Matrix3d R_WF = free.X_WF.linear();
     const Eigen::Matrix3d R_WB = R_WF * Eigen::Quaterniond(q[0], q[1], q[2], q[3]).normalized().toRotationMatrix();
     const Vector3d p_BBcm_W = R_WB * body.p_BBcm;
@@ -364,42 +389,52 @@ void MultibodyModel::free_derivative(const double* y, double* y_dot) {
     motion.w_WB = R_WF * Map<const Vector3d>(u);
     motion.v_WB = R_WF * Map<const Vector3d>(u + 3) - motion.w_WB.cross(p_BBcm_W);
   }
+  read_bristles(y, loads_shifted_);
   forces_.evaluate(motions_shifted_, drive_now_, locks_closed_, loads_shifted_, contact_counters);
   for (std::size_t k = 0; k < free_bodies_.size(); ++k) {
     const FreeBody& free = free_bodies_[k];
+    const std::vector<int>& block = blocks_[free.block];
     const Body& body = scene_.bodies[free.body];
     const BodyMotion& motion = motions_shifted_[free.body];
     const BodyForce& load = loads_shifted_.bodies[free.body];
-    const double* q = y + blocks_[k][0];
-    const Map<const Vector3d> w(y + blocks_[k][7]), v(y + blocks_[k][10]);  // in F
+    const double* q = y + block[0];
+    const Map<const Vector3d> w(y + block[7]), v(y + block[10]);  // in F
     const Eigen::Matrix3d R_WB = motion.X_WB.linear(), R_FW = free.X_WF.linear().transpose();
     const double damping = body.joint.damping;
     const Vector3d t_B = R_WB.transpose() * (load.t_W - (R_WB * body.p_BBcm).cross(load.f_W) - damping * motion.w_WB);
     const Vector3d w_B = R_WB.transpose() * motion.w_WB;
     const Eigen::Quaterniond q_dot = Eigen::Quaterniond(0, w.x(), w.y(), w.z()) * Eigen::Quaterniond(q[0], q[1], q[2], q[3]);
-    double* q_out = y_dot + blocks_[k][0];
+    double* q_out = y_dot + block[0];
     q_out[0] = 0.5 * q_dot.w();
     Map<Vector3d>(q_out + 1) = 0.5 * q_dot.vec();
     Map<Vector3d>(q_out + 4) = v;
-    Map<Vector3d>(y_dot + blocks_[k][7]) = R_FW * (R_WB * (free.inverse_I_B * (t_B - w_B.cross(body.I_BBcm_B * w_B))));
-    Map<Vector3d>(y_dot + blocks_[k][10]) = R_FW * (load.f_W / body.mass + scene_.gravity) - damping / body.mass * v;
+    Map<Vector3d>(y_dot + block[7]) = R_FW * (R_WB * (free.inverse_I_B * (t_B - w_B.cross(body.I_BBcm_B * w_B))));
+    Map<Vector3d>(y_dot + block[10]) = R_FW * (load.f_W / body.mass + scene_.gravity) - damping / body.mass * v;
   }
+  double* z_dot = y_dot + first_bristle();
+  for (const contact_nn::Bristle& rate : loads_shifted_.bristle_rates) z_dot = std::copy(rate.begin(), rate.end(), z_dot);
 }
 
 void MultibodyModel::find_coupling() {
   const std::size_t n = blocks_.size();
   std::fill(coupled_.begin(), coupled_.end(), false);
   for (std::size_t i = 0; i < n; ++i) coupled_[i * n + i] = true;
-  const auto couple = [&](int body_a, int body_b) {
-    const int a = body_a == kWorld ? -1 : block_of_body_[body_a], b = body_b == kWorld ? -1 : block_of_body_[body_b];
+  const auto block_of = [&](int body) { return body == kWorld ? -1 : block_of_body_[body]; };
+  const auto couple_blocks = [&](int a, int b) {
     if (a >= 0 && b >= 0) coupled_[a * n + b] = coupled_[b * n + a] = true;
   };
+  const auto couple = [&](int body_a, int body_b) { couple_blocks(block_of(body_a), block_of(body_b)); };
   for (const auto& rope : scene_.ropes) couple(rope.upper.body, rope.lower.body);
   for (std::size_t i = 0; i < scene_.locks.size(); ++i) {
     if (locks_closed_[i]) couple(scene_.locks[i].body_a, scene_.locks[i].body_b);
   }
   for (std::size_t i = 0; i < scene_.pairs.size(); ++i) {
-    if (loads_.pairs[i].contact.touching) couple(scene_.pairs[i].body_a, scene_.pairs[i].body_b);
+    if (!loads_.pairs[i].contact.touching) continue;
+    couple(scene_.pairs[i].body_a, scene_.pairs[i].body_b);
+    if (loads_.bristles.empty()) continue;
+    for (const int body : {scene_.pairs[i].body_a, scene_.pairs[i].body_b}) {
+      couple_blocks(block_of(body), static_cast<int>(i));
+    }
   }
 }
 
@@ -416,6 +451,7 @@ void MultibodyModel::colour_blocks() {
   for (std::size_t block = 0; block < n; ++block) {
     int& colour = colours_[block];
     colour = 0;
+    if (block < loads_.bristles.size() && !loads_.pairs[block].contact.touching) continue;  // feels itself alone
     for (std::size_t other = 0; other < block; ++other) {
       if (colours_[other] != colour || !clash(block, other)) continue;
       ++colour;

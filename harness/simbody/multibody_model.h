@@ -4,7 +4,8 @@
 // Coordinates y = [q of the joints that move freely, their u], in Simbody's generalized coordinates: quaternion (w, x,
 // y, z) and position for free joints, the first four of these for pivots, one value for sliders and hinges; driven
 // joints have none, their drive prescribes them. Speeds u of free joints and pivots: angular velocity, then velocity,
-// in the parent's frame. The position of a free joint is that of the centre of mass.
+// in the parent's frame. The position of a free joint is that of the centre of mass. Where friction sticks, the bristle of every
+// pair of boxes follows.
 #pragma once
 
 #include <memory>
@@ -16,15 +17,17 @@ namespace quayside::harness {
 
 class MultibodyModel {
  public:
-  enum class Quantity { position, angle, quaternion, velocity, angular_velocity };
+  enum class Quantity { position, angle, quaternion, velocity, angular_velocity, deflection };
 
   // The scene must outlive this object.
-  MultibodyModel(const crane_models::Scene& scene, std::shared_ptr<const contact_nn::ContactModule> contact);
+  MultibodyModel(const crane_models::Scene& scene, std::shared_ptr<const contact_nn::ContactModule> contact,
+                 std::optional<contact_nn::BristleFriction> bristle = {});
   ~MultibodyModel();
 
   int size() const { return static_cast<int>(quantities_.size()); }
   const std::vector<Quantity>& quantities() const { return quantities_; }  // of each coordinate
-  const std::vector<std::vector<int>>& blocks() const { return blocks_; }  // coordinates of bodies that joints connect
+  // Coordinates of bodies that joints connect, or of a bristle.
+  const std::vector<std::vector<int>>& blocks() const { return blocks_; }
   const std::vector<int>& quaternions() const { return quaternions_; }     // where in y each begins
 
   // What the drives do from `reference` on, until told otherwise.
@@ -82,11 +85,13 @@ class MultibodyModel {
 
   // A body that nothing but forces ties to others.
   struct FreeBody {
-    int body;
+    int body, block;
     crane_models::Pose X_WF;        // of its joint's fixed frame
     Eigen::Matrix3d inverse_I_B;    // of its inertia about the centre of mass
   };
 
+  int first_bristle() const;  // in y
+  void read_bristles(const double* y, SceneLoads& loads) const;
   void find_blocks();
   void find_free_bodies();
   void free_derivative(const double* y, double* y_dot);
@@ -107,7 +112,8 @@ class MultibodyModel {
   SceneLoads loads_;
   double joint_dissipation_ = 0;  // [W]
 
-  // Coordinates in blocks, one for each tree of joints that move freely.
+  // Coordinates in blocks: one for each bristle, first, since to eliminate it couples no others than it did; then one for
+  // each tree of joints that move freely.
   std::vector<std::vector<int>> blocks_;  // where in y
   std::vector<int> block_of_body_;        // −1: does not move, or as driven
   std::vector<char> coupled_;             // blocks × blocks: whether one now feels the other

@@ -60,6 +60,7 @@ double scale(MultibodyModel::Quantity quantity) {
     case MultibodyModel::Quantity::quaternion: return kQuaternionScale;
     case MultibodyModel::Quantity::velocity: return kVelocityScale;
     case MultibodyModel::Quantity::angular_velocity: return kAngularVelocityScale;
+    case MultibodyModel::Quantity::deflection: return kPositionScale;
   }
   return 1;
 }
@@ -197,7 +198,7 @@ class SimbodyUnit final : public SceneEngine {
               const SolverSettings& solver)
       : SceneEngine("simbody", scene, solver),
         relative_tolerance_(solver.relative_tolerance),
-        model_(scene_, contact_nn::make_contact_module(contact)),
+        model_(scene_, contact_nn::make_contact_module(contact), contact_nn::bristle_friction(contact)),
         dynamics_(model_, monitor_.groups()),
         integrator_(make_integrator(solver.integrator, dynamics_,
                                     {tolerances(model_, solver.relative_tolerance),

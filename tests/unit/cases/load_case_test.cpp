@@ -74,6 +74,7 @@ TEST(LoadCase, ReadsEveryKey) {
   EXPECT_EQ(c.contact.restitution, 0.5);
   EXPECT_EQ(c.contact.reference_speed, 0.25);
   EXPECT_EQ(c.contact.friction, 0.3);
+  EXPECT_EQ(c.contact.friction_law, "bristle");
   EXPECT_EQ(c.contact.transition_speed, 2e-3);
   EXPECT_EQ(c.contact.network, "gates/other.onnx");
   EXPECT_EQ(c.solver.relative_tolerance, 1e-8);

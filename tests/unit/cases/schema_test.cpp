@@ -190,6 +190,7 @@ TEST(Schema, HasTheDefaultsOfTheLoader) {
   EXPECT_EQ(of((contact + "restitution").c_str()), c.contact.restitution);
   EXPECT_EQ(of((contact + "reference_speed").c_str()), c.contact.reference_speed);
   EXPECT_EQ(of((contact + "friction/oneOf/0").c_str()), c.contact.friction);
+  EXPECT_EQ(of((contact + "friction/oneOf/1/properties/law").c_str()), c.contact.friction_law);
   EXPECT_EQ(of((contact + "friction/oneOf/1/properties/transition_speed").c_str()), c.contact.transition_speed);
   EXPECT_EQ(of("/$defs/solver/properties/relative_tolerance"), c.solver.relative_tolerance);
 }

@@ -25,6 +25,12 @@ crane_models::Scene stack(int boxes) {
   return scene;
 }
 
+contact_nn::ContactSettings sticking() {
+  contact_nn::ContactSettings contact;
+  contact.friction_law = contact_nn::Friction::bristle;
+  return contact;
+}
+
 struct Result {
   std::vector<double> jacobian;
   std::uint64_t evaluations;
@@ -55,11 +61,14 @@ Result jacobian_of(MultibodyModel& model, const std::vector<double>& y, std::vec
 
 // A shift of a body that is not felt leaves its neighbours' rates as they are to the last bit, but for Simbody's sums over
 // all bodies: rounding of accelerations of 100 m/s² and of (rad/s²) over a shift of 1e-8 is 1e-6 of the entries.
-TEST(Jacobian, IsThatOfColumnsTakenOneByOne) {
+void expect_columns_one_by_one(const contact_nn::ContactSettings& contact) {
   const crane_models::Scene scene = stack(5);
-  MultibodyModel model(scene, contact_nn::make_contact_module({}));
+  MultibodyModel model(scene, contact_nn::make_contact_module(contact), contact_nn::bristle_friction(contact));
   std::vector<double> y(model.size()), y_dot(model.size());
   model.start(0, y.data());
+  for (int i = 0; i < model.size(); ++i) {
+    if (model.quantities()[i] == MultibodyModel::Quantity::deflection) y[i] = 1e-5 * (i % 7);
+  }
   const Result grouped = jacobian_of(model, y, y_dot);
   const std::vector<double> single = by_columns(model, y, y_dot);
   double largest = 0;
@@ -67,6 +76,10 @@ TEST(Jacobian, IsThatOfColumnsTakenOneByOne) {
   EXPECT_GT(largest, 1e3);  // contacts are in it: k/m = 2e4 /s²
   for (std::size_t i = 0; i < single.size(); ++i) ASSERT_NEAR(grouped.jacobian[i], single[i], 1e-6 * largest) << i;
 }
+
+TEST(Jacobian, IsThatOfColumnsTakenOneByOne) { expect_columns_one_by_one({}); }
+
+TEST(Jacobian, IsThatOfColumnsTakenOneByOneWhereFrictionSticks) { expect_columns_one_by_one(sticking()); }
 
 // A body of a stack feels two others: three colours of 13 coordinates each, and where they are shifted from, however high
 // the stack.
@@ -77,6 +90,17 @@ TEST(Jacobian, CostsTheSameForEveryHeight) {
     std::vector<double> y(model.size()), y_dot(model.size());
     model.start(0, y.data());
     EXPECT_EQ(jacobian_of(model, y, y_dot).evaluations, 40u) << boxes;
+  }
+}
+
+// The bristle of a pair feels its two bodies, and so does their other bristle: two colours of four more.
+TEST(Jacobian, CostsTheSameForEveryHeightWhereFrictionSticks) {
+  for (const int boxes : {3, 5, 9}) {
+    const crane_models::Scene scene = stack(boxes);
+    MultibodyModel model(scene, contact_nn::make_contact_module(sticking()), contact_nn::bristle_friction(sticking()));
+    std::vector<double> y(model.size()), y_dot(model.size());
+    model.start(0, y.data());
+    EXPECT_EQ(jacobian_of(model, y, y_dot).evaluations, 48u) << boxes;
   }
 }
 
