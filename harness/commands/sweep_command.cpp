@@ -126,11 +126,13 @@ void SweepCommand::write_table() const {
   }
   std::sort(files.begin(), files.end());
   std::ofstream stream(table);
-  if (!(stream << "# Speed against error, all cases\n\nMade by `" << command_line << "`.\n\n" << sweep_table(files)).flush())
+  if (!(stream << "# Speed against error, all cases\n\nFrom the sweeps in this folder, by `quayside sweep --table`.\n\n" << sweep_table(files))
+           .flush())
     throw std::runtime_error("cannot write '" + table + "'");
 }
 
 void SweepCommand::execute() {
+  if (paths.empty() && table.empty()) throw CLI::RequiredError("CASE|DIR, or --table");
   fs::create_directories(out);
   sweep.full_scene = options.full_scene;
   sweep.contenders = contenders(options.engines, integrators, contacts, tolerances, steps);
@@ -156,7 +158,7 @@ void add_sweep_command(CLI::App& app, const std::string& command_line) {
   auto sweep = std::make_shared<SweepCommand>();
   sweep->command_line = command_line;
   CLI::App* command = app.add_subcommand("sweep", "Speed against error over engines, integrators, contact models, tolerances and steps");
-  command->add_option("paths", sweep->paths, "Case files, and directories of them")->required()->type_name("CASE|DIR...");
+  command->add_option("paths", sweep->paths, "Case files, and directories of them")->type_name("CASE|DIR...");
   sweep->options.add_to(*command);
   command->add_option("--integrators", sweep->integrators, "Integrators: of Simbody bdf, adams (CVODES), erk, dirk (ARKODE), merson, "
                                                            "feldberg, rk3, cpodes (its own); of MuJoCo rk4, implicit, euler")
@@ -187,7 +189,8 @@ void add_sweep_command(CLI::App& app, const std::string& command_line) {
       "Examples:\n"
       "  quayside sweep cases/land_on_stack.yaml --engine simbody,mujoco_same_law --repeat 5\n"
       "  quayside sweep cases/land_on_stack.yaml --engine simbody --integrators bdf --contacts exact,committee,learned\n"
-      "  quayside sweep cases --out tests/benchmarks/results --table tests/benchmarks/results/sweeps.md");
+      "  quayside sweep cases --out tests/benchmarks/results --table tests/benchmarks/results/sweeps.md\n"
+      "  quayside sweep --out tests/benchmarks/results --table sweeps.md    # the table alone");
   command->callback([sweep] { sweep->execute(); });
 }
 
