@@ -1,11 +1,13 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <memory>
 
 #include <fmt/format.h>
 
 #include "harness/commands/commands.h"
+#include "harness/commands/interrupt.h"
 #include "harness/coupling/oscillator_study.h"
 #include "harness/coupling/sampled_study.h"
 #include "harness/coupling/split_crane.h"
@@ -209,10 +211,15 @@ struct CouplingOptions {
 void study(const CouplingOptions& options) {
   const fs::path directory = options.out;
   fs::create_directories(directory);
-  study_oscillator(directory);
-  study_split_crane(directory);
-  study_sampled_contact(directory);
-  if (!options.file.empty()) study_case(directory, options.file);
+  std::vector<std::function<void()>> studies{[&] { study_oscillator(directory); }, [&] { study_split_crane(directory); },
+                                             [&] { study_sampled_contact(directory); }};
+  if (!options.file.empty()) studies.push_back([&] { study_case(directory, options.file); });
+  const Interrupt interrupt;
+  for (const auto& study : studies) {  // each prints what it found
+    study();
+    std::fflush(stdout);
+    if (Interrupt::signal() != 0) end_interrupted("the studies up to then are in " + directory.string());
+  }
 }
 
 }  // namespace

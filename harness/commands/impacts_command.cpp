@@ -92,10 +92,7 @@ void ImpactsCommand::execute() const {
     pass = 1;
     if (update) estimate_tolerances(impacts, setup, now, progress);
   }
-  if (Interrupt::signal() != 0) {
-    fmt::print(stderr, "quayside: stopped by signal {}; {} is as it was\n", Interrupt::signal(), reference);
-    throw CLI::RuntimeError(stopped_by_signal + Interrupt::signal());
-  }
+  if (Interrupt::signal() != 0) end_interrupted(reference + " is as it was");
 
   if (theory) print_theory(impacts, now);
   const std::vector<MovedResponse> moved = moved_responses(before, now);

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "harness/commands/commands.h"
+#include "harness/commands/interrupt.h"
 #include "harness/fmi/exported_case.h"
 #include "harness/fmi/interface_cost.h"
 #include "harness/terminal.h"
@@ -29,8 +30,16 @@ void add_interface_command(CLI::App& app) {
   command->callback([arguments] {
     namespace fs = std::filesystem;
     const fs::path library = fs::canonical("/proc/self/exe").parent_path() / (std::string(kModelIdentifier) + ".so");
-    const InterfaceCosts costs =
-        measure_interface(arguments->file, arguments->overrides, library, arguments->step, arguments->repetitions);
+    const Interrupt interrupt;
+    InterfaceCosts costs;
+    {
+      ProgressBar bar("interface");
+      costs = measure_interface(arguments->file, arguments->overrides, library, arguments->step, arguments->repetitions, [&](double done) {
+        bar.update(done);
+        return Interrupt::signal() == 0;
+      });
+    }
+    if (Interrupt::signal() != 0) end_interrupted("nothing is kept");
     using Align = Table::Align;
     Table runs({Align::left, Align::right, Align::right});
     runs.add({"", "wall [s]", "over the engine in the same steps"});

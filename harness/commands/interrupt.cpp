@@ -1,5 +1,9 @@
 #include "harness/commands/interrupt.h"
 
+#include <fmt/format.h>
+
+#include "harness/commands/commands.h"
+
 namespace quayside::harness {
 
 namespace {
@@ -26,5 +30,11 @@ Interrupt::~Interrupt() {
 }
 
 int Interrupt::signal() { return received; }
+
+void end_interrupted(const std::string& results) {
+  std::fflush(stdout);
+  fmt::print(stderr, "quayside: stopped by signal {}{}{}\n", Interrupt::signal(), results.empty() ? "" : "; ", results);
+  throw CLI::RuntimeError(stopped_by_signal + Interrupt::signal());
+}
 
 }  // namespace quayside::harness

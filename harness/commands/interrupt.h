@@ -2,6 +2,7 @@
 #pragma once
 
 #include <csignal>
+#include <string>
 
 namespace quayside::harness {
 
@@ -18,5 +19,8 @@ class Interrupt {
  private:
   struct sigaction previous_int_ {}, previous_term_ {};
 };
+
+// Ends a command that was asked to stop: says so on stderr, with what became of its `results`, and throws for its exit code.
+[[noreturn]] void end_interrupted(const std::string& results);
 
 }  // namespace quayside::harness

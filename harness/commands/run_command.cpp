@@ -73,11 +73,7 @@ void RunCommand::execute() const {
                100.0 * static_cast<double>(pacing->late) / static_cast<double>(pacing->frames), 1e3 * pacing->latest_s);
   std::fflush(stdout);
 
-  if (evaluated.run.interrupted) {
-    fmt::print(stderr, "quayside: stopped by signal {}; what was simulated up to then is in {}\n", Interrupt::signal(),
-               directory.string());
-    throw CLI::RuntimeError(stopped_by_signal + Interrupt::signal());
-  }
+  if (evaluated.run.interrupted) end_interrupted("what was simulated up to then is in " + directory.string());
   for (const EngineRun& engine : evaluated.run.engines)
     if (engine.failure)
       fmt::print(stderr, "quayside: {}: {}; what was simulated up to then is in {}\n", file, failure_text(engine),

@@ -112,9 +112,7 @@ void SweepCommand::sweep_case(const fs::path& file) {
   report::write_sweep_report(stem + ".html", description, result, command_line);
   fmt::print("{0}.csv, {0}.svg, {0}.html\n", stem);
   std::fflush(stdout);
-  if (!result.interrupted) return;
-  fmt::print(stderr, "quayside: stopped by signal {}; what was measured up to then is in {}.csv\n", Interrupt::signal(), stem);
-  throw CLI::RuntimeError(stopped_by_signal + Interrupt::signal());
+  if (result.interrupted) end_interrupted("what was measured up to then is in " + stem + ".csv");
 }
 
 // Of all sweeps in the folder, those of other days among them.

@@ -8,6 +8,7 @@
 
 #include "harness/commands/case_options.h"
 #include "harness/commands/commands.h"
+#include "harness/commands/interrupt.h"
 #include "harness/compare.h"
 #include "harness/run.h"
 #include "harness/terminal.h"
@@ -53,6 +54,7 @@ std::string counts(int full, int reduced) {
 std::string row(const fs::path& file) {
   const cases::Case description = cases::load_case(file);
   RunOptions options;
+  options.progress = [](double, const std::string&) { return Interrupt::signal() == 0; };
   const RunResult reduced = run_case(description, options);
   options.full_scene = true;
   options.engines = {"simbody"};
@@ -79,10 +81,14 @@ void TableCommand::execute() const {
       "| case | what it shows | bodies | degrees of freedom | contact pairs | simulated [s] | took [s] | full [s] | "
       "full scene apart [m] | same law apart [m] | MuJoCo apart [m] |\n"
       "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n";
+  const Interrupt interrupt;
   ProgressBar bar(fmt::format("{} cases", files.size()));
   for (std::size_t i = 0; i < files.size(); ++i) {
     bar.update(static_cast<double>(i) / static_cast<double>(files.size()));
     table += row(files[i]);
+    if (Interrupt::signal() == 0) continue;
+    bar.clear();
+    end_interrupted(into.empty() ? "nothing is kept" : into + " is as it was");
   }
   bar.clear();
   if (into.empty()) {

@@ -264,11 +264,7 @@ void ValidateCommand::execute() const {
     }
     fmt::print("]\n");
   }
-  if (Interrupt::signal() != 0) {
-    fmt::print(stderr, "quayside: stopped by signal {}{}\n", Interrupt::signal(),
-               out.empty() ? "" : "; what was simulated up to then is in " + out);
-    throw CLI::RuntimeError(stopped_by_signal + Interrupt::signal());
-  }
+  if (Interrupt::signal() != 0) end_interrupted(out.empty() ? "" : "what was simulated up to then is in " + out);
   for (const int code : {static_cast<int>(input_refused), static_cast<int>(not_completed), static_cast<int>(expectation_failed)}) {
     const auto count = std::count_if(all.begin(), all.end(), [&](const Job& job) { return job.exit_code == code; });
     if (count == 0) continue;

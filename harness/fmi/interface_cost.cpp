@@ -204,7 +204,7 @@ class Measurement {
 double InterfaceRun::median_wall_s() const { return median(wall_s); }
 
 InterfaceCosts measure_interface(const fs::path& case_file, const std::vector<std::string>& overrides, const fs::path& library,
-                                 double step, int repetitions) {
+                                 double step, int repetitions, const std::function<bool(double)>& progress) {
   const Measurement measurement(case_file, overrides, library, step);
   const std::vector<std::pair<std::string, std::function<double()>>> ways{
       {"engine, from event to event", [&] { return measurement.engine(false); }},
@@ -215,7 +215,10 @@ InterfaceCosts measure_interface(const fs::path& case_file, const std::vector<st
   InterfaceCosts costs;
   for (const auto& way : ways) costs.runs.push_back({way.first, {}});
   for (int repetition = 0; repetition < repetitions; ++repetition) {
-    for (std::size_t i = 0; i < ways.size(); ++i) costs.runs[i].wall_s.push_back(ways[i].second());
+    for (std::size_t i = 0; i < ways.size(); ++i) {
+      if (!progress((repetition + static_cast<double>(i) / ways.size()) / repetitions)) return costs;
+      costs.runs[i].wall_s.push_back(ways[i].second());
+    }
   }
   costs.states = measurement.states();
   return costs;

@@ -31,8 +31,10 @@ struct InterfaceCosts {
 };
 
 // `library`: as for export_fmu. Repetitions are interleaved: every way is gone once before any is gone twice. Throws what
-// building, exporting and stepping throw.
+// building, exporting and stepping throw. `progress` is called before each run with the share of runs that are done; returning
+// false ends the measurement with what there is.
 InterfaceCosts measure_interface(const std::filesystem::path& case_file, const std::vector<std::string>& overrides,
-                                 const std::filesystem::path& library, double step, int repetitions);
+                                 const std::filesystem::path& library, double step, int repetitions,
+                                 const std::function<bool(double done)>& progress = [](double) { return true; });
 
 }  // namespace quayside::harness
