@@ -135,6 +135,7 @@ struct SolverSpec {
   double mujoco_step = 0;  // [s]; 0: chosen by the engine
   std::string integrator = "bdf";  // of Simbody
   std::string mujoco_integrator = "rk4";
+  std::string free_bodies = "tree";  // in Simbody
 };
 
 // A line of the script. It fires once, `after` seconds from the moment its condition first holds, and gives commands.

@@ -39,7 +39,7 @@ ContactSpec read_contact(const Value& value) {
 
 SolverSpec read_solver(const Value& value) {
   SolverSpec solver;
-  const Mapping mapping = value.mapping({"relative_tolerance", "max_step", "mujoco_step", "integrator", "mujoco_integrator"});
+  const Mapping mapping = value.mapping({"relative_tolerance", "max_step", "mujoco_step", "integrator", "mujoco_integrator", "free_bodies"});
   mapping.number("relative_tolerance", kRelativeTolerance, solver.relative_tolerance);
   mapping.number("max_step", kSolverStep, solver.max_step);
   mapping.number("mujoco_step", kSolverStep, solver.mujoco_step);
@@ -49,6 +49,7 @@ SolverSpec read_solver(const Value& value) {
   if (const auto integrator = mapping.find("mujoco_integrator")) {
     solver.mujoco_integrator = integrator->word({"rk4", "implicit", "euler"});
   }
+  if (const auto free = mapping.find("free_bodies")) solver.free_bodies = free->word({"tree", "direct"});
   return solver;
 }
 

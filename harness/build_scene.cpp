@@ -312,7 +312,8 @@ contact_nn::ContactSettings contact_settings(const cases::ContactSpec& spec) {
 }
 
 SolverSettings solver_settings(const cases::SolverSpec& spec) {
-  return {spec.relative_tolerance, spec.max_step, spec.mujoco_step, spec.integrator, spec.mujoco_integrator};
+  return {spec.relative_tolerance, spec.max_step, spec.mujoco_step, spec.integrator, spec.mujoco_integrator,
+          spec.free_bodies};
 }
 
 SolverSettings solver_settings(const cases::Case& description) {

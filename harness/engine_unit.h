@@ -56,6 +56,7 @@ struct SolverSettings {
   double mujoco_step = 0;            // [s]; 0: chosen from the stiffest time constant
   std::string integrator = "bdf";    // of the Simbody unit: see simbody/integrator.h
   std::string mujoco_integrator = "rk4";  // of the MuJoCo units: rk4, implicit or euler
+  std::string free_bodies = "tree";       // of the Simbody unit: tree or direct, see MultibodyModel
   // Contact forces by our laws are evaluated at communication points and events and held in between, instead of at every
   // evaluation of the dynamics. Contacts of MuJoCo's own are not concerned.
   bool sampled_contact = false;

@@ -57,7 +57,8 @@ Json solver_json(const cases::SolverSpec& solver) {
           {"max_step", solver.max_step},
           {"mujoco_step", solver.mujoco_step},
           {"integrator", solver.integrator},
-          {"mujoco_integrator", solver.mujoco_integrator}};
+          {"mujoco_integrator", solver.mujoco_integrator},
+          {"free_bodies", solver.free_bodies}};
 }
 
 Json engine_json(const EngineRun& engine) {

@@ -132,8 +132,9 @@ struct MultibodyModel::Simbody {
 
 MultibodyModel::MultibodyModel(const crane_models::Scene& scene,
                                std::shared_ptr<const contact_nn::ContactModule> contact,
-                               std::optional<contact_nn::BristleFriction> bristle)
+                               std::optional<contact_nn::BristleFriction> bristle, bool free_bodies_directly)
     : scene_(scene),
+      free_bodies_directly_(free_bodies_directly),
       forces_(scene, std::move(contact), bristle),
       drives_(scene.drives.size()),
       drive_now_(scene.drives.size()),
@@ -260,11 +261,28 @@ void MultibodyModel::start(double t, double* y) {
 }
 
 void MultibodyModel::evaluate(double t, const double* y) {
-  Simbody& s = *simbody_;
   ++evaluations;
   time_ = t;
   for (std::size_t i = 0; i < drives_.size(); ++i) drive_now_[i] = drive(static_cast<int>(i), t);
+  direct_now_ = free_bodies_directly_ && !free_bodies_.empty() && !driven_joints_move(t);
+  if (!direct_now_ || !tree_is_there()) move_tree(t, y);  // bodies with drives are where it says
+  if (direct_now_) place_free_bodies(y, motions_);
+  read_bristles(y, loads_);
+  forces_.evaluate(motions_, drive_now_, locks_closed_, loads_, contact_counters);
 
+  joint_dissipation_ = 0;
+  const double* u = y + simbody_->y_to_q.size();
+  for (const auto& slot : simbody_->slots) {
+    const double damping = scene_.bodies[slot.body].joint.damping;
+    for (int i = 0; i < slot.u_count; ++i, ++u) joint_dissipation_ += damping * *u * *u;
+  }
+}
+
+// All bodies where Simbody says, at the drives' present motion.
+void MultibodyModel::move_tree(double t, const double* y) {
+  Simbody& s = *simbody_;
+  tree_moved_ = true;
+  tree_drives_ = drive_now_;
   const std::size_t q_count = s.y_to_q.size(), u_count = s.y_to_u.size();
   if (!driven_.empty()) {  // nothing else in Simbody knows the time
     s.state.setTime(t);
@@ -287,19 +305,22 @@ void MultibodyModel::evaluate(double t, const double* y) {
     const SimTK::SpatialVec& V_WB = body.getBodyVelocity(s.state);
     motions_[i] = {to_eigen(body.getBodyTransform(s.state)), to_eigen(V_WB[1]), to_eigen(V_WB[0])};
   }
-  read_bristles(y, loads_);
-  forces_.evaluate(motions_, drive_now_, locks_closed_, loads_, contact_counters);
+}
 
-  joint_dissipation_ = 0;
-  for (const auto& slot : s.slots) {
-    const double damping = scene_.bodies[slot.body].joint.damping;
-    if (damping == 0) continue;
-    for (int i = 0; i < slot.u_count; ++i) joint_dissipation_ += damping * u[slot.u + i] * u[slot.u + i];
-  }
+// Whether bodies with drives stand now where they stood when it was moved last.
+bool MultibodyModel::tree_is_there() const {
+  return tree_moved_ && std::all_of(driven_.begin(), driven_.end(), [&](int body) {
+    const int drive = scene_.bodies[body].joint.drive;
+    return tree_drives_[drive].rate == 0 && tree_drives_[drive].value == drive_now_[drive].value;
+  });
 }
 
 void MultibodyModel::derivative(double t, const double* y, double* y_dot) {
   evaluate(t, y);
+  if (direct_now_) {
+    accelerate_free_bodies(y, motions_, loads_, y_dot);
+    return;
+  }
   Simbody& s = *simbody_;
   s.system.realize(s.state, SimTK::Stage::Acceleration);
   const SimTK::Vector& q_dot = s.state.getQDot();
@@ -370,12 +391,9 @@ void MultibodyModel::find_free_bodies() {
   }
 }
 
-// dy/dt at the time of the last evaluation, where bodies with drives stay as they are then.
-void MultibodyModel::free_derivative(const double* y, double* y_dot) {
+void MultibodyModel::place_free_bodies(const double* y, std::vector<BodyMotion>& motions) const {
   using Eigen::Map, Eigen::Vector3d;
-  ++evaluations;
-  for (std::size_t k = 0; k < free_bodies_.size(); ++k) {
-    const FreeBody& free = free_bodies_[k];
+  for (const FreeBody& free : free_bodies_) {
     const std::vector<int>& block = blocks_[free.block];
     const Body& body = scene_.bodies[free.body];
     const double* q = y + block[0];
@@ -383,20 +401,23 @@ void MultibodyModel::free_derivative(const double* y, double* y_dot) {
     const Eigen::Matrix3d R_WF = free.X_WF.linear();
     const Eigen::Matrix3d R_WB = R_WF * Eigen::Quaterniond(q[0], q[1], q[2], q[3]).normalized().toRotationMatrix();
     const Vector3d p_BBcm_W = R_WB * body.p_BBcm;
-    BodyMotion& motion = motions_shifted_[free.body];
+    BodyMotion& motion = motions[free.body];
     motion.X_WB.linear() = R_WB;
     motion.X_WB.translation() = free.X_WF * Vector3d(q[4], q[5], q[6]) - p_BBcm_W;
     motion.w_WB = R_WF * Map<const Vector3d>(u);
     motion.v_WB = R_WF * Map<const Vector3d>(u + 3) - motion.w_WB.cross(p_BBcm_W);
   }
-  read_bristles(y, loads_shifted_);
-  forces_.evaluate(motions_shifted_, drive_now_, locks_closed_, loads_shifted_, contact_counters);
-  for (std::size_t k = 0; k < free_bodies_.size(); ++k) {
-    const FreeBody& free = free_bodies_[k];
+}
+
+// dy/dt by Newton's and Euler's equations.
+void MultibodyModel::accelerate_free_bodies(const double* y, const std::vector<BodyMotion>& motions, const SceneLoads& loads,
+                                            double* y_dot) const {
+  using Eigen::Map, Eigen::Vector3d;
+  for (const FreeBody& free : free_bodies_) {
     const std::vector<int>& block = blocks_[free.block];
     const Body& body = scene_.bodies[free.body];
-    const BodyMotion& motion = motions_shifted_[free.body];
-    const BodyForce& load = loads_shifted_.bodies[free.body];
+    const BodyMotion& motion = motions[free.body];
+    const BodyForce& load = loads.bodies[free.body];
     const double* q = y + block[0];
     const Map<const Vector3d> w(y + block[7]), v(y + block[10]);  // in F
     const Eigen::Matrix3d R_WB = motion.X_WB.linear(), R_FW = free.X_WF.linear().transpose();
@@ -412,7 +433,16 @@ void MultibodyModel::free_derivative(const double* y, double* y_dot) {
     Map<Vector3d>(y_dot + block[10]) = R_FW * (load.f_W / body.mass + scene_.gravity) - damping / body.mass * v;
   }
   double* z_dot = y_dot + first_bristle();
-  for (const contact_nn::Bristle& rate : loads_shifted_.bristle_rates) z_dot = std::copy(rate.begin(), rate.end(), z_dot);
+  for (const contact_nn::Bristle& rate : loads.bristle_rates) z_dot = std::copy(rate.begin(), rate.end(), z_dot);
+}
+
+// dy/dt at the time of the last evaluation, where bodies with drives stay as they are then.
+void MultibodyModel::free_derivative(const double* y, double* y_dot) {
+  ++evaluations;
+  place_free_bodies(y, motions_shifted_);
+  read_bristles(y, loads_shifted_);
+  forces_.evaluate(motions_shifted_, drive_now_, locks_closed_, loads_shifted_, contact_counters);
+  accelerate_free_bodies(y, motions_shifted_, loads_shifted_, y_dot);
 }
 
 void MultibodyModel::find_coupling() {

@@ -19,9 +19,10 @@ class MultibodyModel {
  public:
   enum class Quantity { position, angle, quaternion, velocity, angular_velocity, deflection };
 
-  // The scene must outlive this object.
+  // The scene must outlive this object. `free_bodies_directly`: where nothing moves but bodies that are free, evaluations take
+  // Newton's and Euler's equations for each, which are what Simbody's recursion comes to then, in place of its tree.
   MultibodyModel(const crane_models::Scene& scene, std::shared_ptr<const contact_nn::ContactModule> contact,
-                 std::optional<contact_nn::BristleFriction> bristle = {});
+                 std::optional<contact_nn::BristleFriction> bristle = {}, bool free_bodies_directly = false);
   ~MultibodyModel();
 
   int size() const { return static_cast<int>(quantities_.size()); }
@@ -94,17 +95,24 @@ class MultibodyModel {
   void read_bristles(const double* y, SceneLoads& loads) const;
   void find_blocks();
   void find_free_bodies();
+  void move_tree(double t, const double* y);
+  bool tree_is_there() const;
+  void place_free_bodies(const double* y, std::vector<BodyMotion>& motions) const;
+  void accelerate_free_bodies(const double* y, const std::vector<BodyMotion>& motions, const SceneLoads& loads, double* y_dot) const;
   void free_derivative(const double* y, double* y_dot);
   void find_coupling();
   void colour_blocks();
 
   const crane_models::Scene& scene_;
+  const bool free_bodies_directly_;
   SceneForces forces_;
   std::vector<Quantity> quantities_;
   std::vector<int> quaternions_;
   std::vector<int> driven_;  // bodies with driven joints
   std::vector<DriveState> drives_;
   std::vector<crane_models::DriveMotion> drive_now_;
+  bool tree_moved_ = false;                             // Simbody's, at least once,
+  std::vector<crane_models::DriveMotion> tree_drives_;  // and its drives when it was last
   std::vector<char> locks_closed_;
   double moving_mass_ = 0;
   double time_ = 0;
@@ -120,6 +128,7 @@ class MultibodyModel {
   std::vector<int> colours_;              // of blocks; no block feels two of one colour
   int colour_count_ = 0;
   std::vector<FreeBody> free_bodies_;     // of all blocks; none where a block is anything else
+  bool direct_now_ = false;                // at the last evaluation
   std::vector<double> y_shifted_, y_dot_shifted_, y_dot_begin_, shifts_;
   std::vector<BodyMotion> motions_shifted_;
   SceneLoads loads_shifted_;

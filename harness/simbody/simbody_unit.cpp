@@ -198,7 +198,8 @@ class SimbodyUnit final : public SceneEngine {
               const SolverSettings& solver)
       : SceneEngine("simbody", scene, solver),
         relative_tolerance_(solver.relative_tolerance),
-        model_(scene_, contact_nn::make_contact_module(contact), contact_nn::bristle_friction(contact)),
+        model_(scene_, contact_nn::make_contact_module(contact), contact_nn::bristle_friction(contact),
+               solver.free_bodies == "direct"),
         dynamics_(model_, monitor_.groups()),
         integrator_(make_integrator(solver.integrator, dynamics_,
                                     {tolerances(model_, solver.relative_tolerance),

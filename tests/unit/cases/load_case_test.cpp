@@ -80,6 +80,7 @@ TEST(LoadCase, ReadsEveryKey) {
   EXPECT_EQ(c.solver.relative_tolerance, 1e-8);
   EXPECT_EQ(c.solver.max_step, 0.1);
   EXPECT_EQ(c.solver.mujoco_step, 1e-4);
+  EXPECT_EQ(c.solver.free_bodies, "direct");
   EXPECT_TRUE(c.allow_overlap);
   EXPECT_EQ(c.output_interval, 0.05);
 }
